@@ -142,7 +142,7 @@ def _fill_rims(ob, bm, modifier, matrix, rims, named, options):
         return outcome, None
     outcome.notes += words.gathered(said)
     if missing:
-        outcome.notes.append(f"{missing} points of the border are not on the surface that the modifier draws")
+        outcome.notes.append(tripatch.Message("points_off_surface", {"count": int(missing)}))
     waiting.goes_on()
     new = _new_object(ob, np.vstack(vertices), faces, materials, smooth)
     outcome.count(faces, options.arguments.get("output"))

@@ -100,9 +100,9 @@ def _surface_edges(ob):
                 side = tripatch.Side(surface, edge)
                 found.append(tripatch.between.SurfaceEdge(ob.name, side, t, not mirrored, (surface, edge)))
             except tripatch.Refusal as refusal:  # a single point: a corner of the surface; or flat to a line
-                refused.append(refusal.reason)
+                refused.append(refusal)
     if not found:
-        flat = next((reason for reason in refused if "flat" in reason), None)
+        flat = next((refusal for refusal in refused if refusal.code == "surface_flat_to_line"), None)
         raise UnusableError(flat or f"{ob.name} is closed: it has no edge that could be a side of a hole")
     return found
 
@@ -171,7 +171,7 @@ def _patch_and_triangles(sides, drawn, arguments, progress=None):
         warnings.simplefilter("always")
         patch = tripatch.patch(sides, **arguments, progress=progress)
     barycentric, faces = patch.triangles(drawn)
-    return patch, patch.evaluate(barycentric), faces, [str(each.message) for each in told]
+    return patch, patch.evaluate(barycentric), faces, [each.message.args[0] for each in told]
 
 
 def curves_of(objects):
@@ -237,7 +237,7 @@ class FromEdges:
 
     def refuse(self, reason):
         """What the operator returns for a refusal, which the panel shows to who can correct it there."""
-        self.reasons = sentences.for_people(str(reason))
+        self.reasons = sentences.for_people(reason)
         self.report({"WARNING" if self.by_hand else "ERROR"}, self.reasons)  # pyright: ignore
         return {"FINISHED" if self.by_hand else "CANCELLED"}
 

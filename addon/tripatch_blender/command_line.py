@@ -85,7 +85,7 @@ def _chosen(bm, matrix, arguments):
     try:
         loops = tripatch.choose_holes(*mesh, **chosen)
     except tripatch.Refusal as refusal:
-        raise selection.UnusableError(refusal.reason) from None
+        raise selection.UnusableError(refusal) from None
     outer = [] if chosen.get("outer") else tripatch.outer_borders(*mesh)
     found = [{frozenset(loop.tolist()) for loop in each} for each in (loops, outer)]
     every = selection.all_rims(bm)
@@ -226,7 +226,7 @@ def _run(arguments):
             filtered |= reason.code == "filtered"
             if reason.code in ("hidden", "filtered") and not arguments.object:
                 continue
-            outcome = filling.Outcome(refused=[filling.Refused(str(reason))])
+            outcome = filling.Outcome(refused=[filling.Refused(reason.said)])
         if outcome.reports:
             print(f"{ob.name}: {outcome.sentence(advice)}")
         for sentence in outcome.notes:

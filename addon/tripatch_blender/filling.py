@@ -50,6 +50,11 @@ def for_sides(arguments, count):
     return arguments | {name: tuple(value) if len(set(value)) > 1 else value[0] for name, value in own.items()}
 
 
+def _of_object(name, said):
+    """What is said of an object, with its name if there is one."""
+    return tripatch.Message("of_object", {"name": name, "reason": said}) if name else said
+
+
 @dataclass
 class Refused:
     """A hole, or a part of a selection, that is not filled."""
@@ -62,11 +67,11 @@ class Refused:
     @classmethod
     def because(cls, reason, ob):
         """From an UnusableError or OptionsError, while its BMesh is there."""
-        return cls(str(reason), [v.index for v in reason.vertices if v.is_valid], ob)
+        return cls(reason.said, [v.index for v in reason.vertices if v.is_valid], ob)
 
     def of(self, name):
         """The same with the name of its object, if there is one."""
-        return Refused(f"{name}: {self.sentence}" if name else self.sentence, self.vertices, self.ob)
+        return Refused(_of_object(name, self.sentence), self.vertices, self.ob)
 
 
 @dataclass
@@ -88,10 +93,9 @@ class Outcome:
     left_open: list = field(default_factory=list)  # how many edges each outer border has that is left open
 
     def add(self, other, name=""):
-        prefix = f"{name}: " if name else ""
         self.reports += other.reports
         self.refused += [refused.of(name) for refused in other.refused]
-        self.notes += [prefix + sentence for sentence in other.notes]
+        self.notes += [_of_object(name, sentence) for sentence in other.notes]
         self.faces += other.faces
         self.triangles += other.triangles
         self.rim_edges += other.rim_edges
@@ -134,8 +138,6 @@ class Outcome:
         return "; ".join(filter(None, (said, words.left_open(self.left_open, advice))))
 
 
-#: What is said of a rim of no extent.
-A_POINT = "All vertices of the rim are at the same place"
 #: Condition of an object's matrix from which on float32, in which Blender has it, leaves no digit of its inverse.
 SCALED_TO_NOTHING = 1e7
 
@@ -144,7 +146,7 @@ def world_matrix(name, matrix):
     """The (4, 4) array of an object's matrix; UnusableError if it cannot be inverted."""
     world = np.array(matrix, dtype=np.float64)
     if not np.isfinite(world).all() or not np.linalg.cond(world[:3, :3]) < SCALED_TO_NOTHING:
-        raise UnusableError(f"{name} is scaled to nothing along an axis; correct its scale")
+        raise UnusableError(f"{name} is scaled to nothing along an axis; Sidebar (N) > Item has the scale")
     return world
 
 
@@ -240,7 +242,7 @@ def _in_shape_key(bm, planned, name, in_key, world):
     cage = planned.cage
     if not isinstance(in_key, tripatch.Refusal) and cage:
         if index_lists(in_key.faces) != index_lists(fill.faces) or (in_key.split_edges[0] != fill.split_edges[0]).any():
-            in_key = tripatch.Refusal("its cage would have other faces", [])
+            in_key = tripatch.Refusal.of(tripatch.Message("shape_key_other_faces"))
     elif (
         not isinstance(in_key, tripatch.Refusal)
         and in_key.report.method == "quad_rows"
@@ -249,10 +251,10 @@ def _in_shape_key(bm, planned, name, in_key, world):
         planned.in_shape_keys[name] = own.points(in_key.vertices)
         return []
     elif not isinstance(in_key, tripatch.Refusal) and in_key.patch is None:
-        in_key = tripatch.Refusal("its hole is closed with plain triangles, which have no surface", [])
+        in_key = tripatch.Refusal.of(tripatch.Message("shape_key_plain_triangles"))
     if isinstance(in_key, tripatch.Refusal):
         planned.in_shape_keys[name] = _moved_with_rim(planned, bm.verts.layers.shape[name])
-        return [f"Shape key '{name}' follows its rim only: {words.refused(in_key)}"]
+        return [tripatch.Message("shape_key_follows_rim", {"name": name, "reason": words.refused(in_key)})]
     if fill.uv is not None:
         planned.in_shape_keys[name] = own.points(_at_same_places(fill, in_key))
         return []
@@ -283,7 +285,7 @@ def fills(rims, arrays, options, progress=None, **arguments):
     whatever = any_rim and not caged and given.get("surroundings") != "limit"
     for k, (rim, loop) in enumerate(zip(rims, loops, strict=True)):
         if is_a_point(rim):
-            results[k] = tripatch.Refusal(A_POINT, loop)
+            results[k] = tripatch.Refusal.of(tripatch.Message("rim_is_point"))
             continue
         try:
             corners[k] = corners_of(rim, loop, (positions, faces), replaced, whatever)
@@ -572,7 +574,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
                 outcome.diameters.append(diameter(rim.loop, matrix))
             outcome.reports.append(plan.fill.report)
             unknown = options.deviation and plan.fill.deviation is None
-            said.append((plan.loop, [*plan.fill.report.warnings, *notes, *[NO_DEVIATION] * unknown]))
+            said.append((plan.loop, [*plan.fill.report.warnings, *notes, *[tripatch.Message("no_error_estimate")] * unknown]))
         if planned and cages:
             new_faces += writeback.write(bm, mesh, planned, options)
             planned = []
@@ -592,8 +594,7 @@ def diameter(loop, matrix):
     return float(max(np.linalg.norm(points - p, axis=1).max() for p in points))
 
 
-NO_DEVIATION = "How well it is known cannot be told of a patch between smooth sides; with Method: Polyharmonic Spline it can"
-OTHERS_HIDDEN = "The mesh has no hole that is visible; others are hidden"
+OTHERS_HIDDEN = "The mesh has no visible hole; Mesh > Show/Hide > Reveal Hidden shows the others"
 
 
 def mesh_arrays(bm, matrix):
@@ -671,7 +672,10 @@ def open_holes(bm, matrix, filters=None):
     if not every:
         hidden = any(e.is_boundary and e.hide for v in selection.border_vertices(bm) for e in v.link_edges)
         if hidden:
-            raise UnusableError(OTHERS_HIDDEN if left else "The rims of the mesh are hidden; reveal them first", code="hidden")
+            raise UnusableError(
+                OTHERS_HIDDEN if left else "All boundaries are hidden; use Show/Hide > Reveal Hidden",
+                code="hidden",
+            )
         raise NothingToFill([len(rim.loop) for rim in left], [v for rim in left for v in rim.loop])
     rims = filtered(bm, matrix, every, filters)
     if not rims:

@@ -52,7 +52,7 @@ def _follows(fill, changed):
     try:
         objects = live.around(fill)
     except live.UnusableError as reason:
-        return live.problem_of(fill) != sentences.for_people(str(reason))
+        return live.problem_of(fill) != sentences.for_people(reason)
     keys = {ob.data.shape_keys for ob in objects if ob.type == "MESH"}
     return not changed.isdisjoint({fill, *objects, *(ob.data for ob in objects), *keys})
 

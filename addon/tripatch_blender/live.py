@@ -49,7 +49,7 @@ def problem_of(fill):
 
 def say(fill, reason):
     """Keeps why the last change could not be followed."""
-    fill[_PROBLEM] = sentences.for_people(str(reason))
+    fill[_PROBLEM] = sentences.for_people(reason)
 
 
 def around(fill):
@@ -353,7 +353,7 @@ def keep(ob, rims, options, halves=(), outer=True):
         except _LeftOut:
             pass
         except UnusableError as reason:
-            refuse(loop, str(reason))
+            refuse(loop, reason.said)
     return outcome
 
 
@@ -393,7 +393,7 @@ def _keep_hole(ob, loop, how, options):
         bpy.data.meshes.remove(fill.data)  # and the object with it
         if isinstance(reason, (_LeftOut, waiting.Ends)):
             raise
-        raise UnusableError(str(reason)) from None
+        raise UnusableError(getattr(reason, "said", str(reason))) from None
     outcome.live.append(fill.name)
     return outcome
 

@@ -53,7 +53,7 @@ class OBJECT_OT_apply_live_fill(_OfLiveFills, bpy.types.Operator):
             try:
                 live.apply(fill)
             except (live.UnusableError, library.tripatch.Refusal, ValueError) as reason:
-                refused.append(f"{name}: {sentences.for_people(str(reason))}")
+                refused.append(f"{name}: {sentences.for_people(reason)}")
             else:
                 applied.append(name)
         following.scan()

@@ -24,7 +24,7 @@ _PERPENDICULAR = 1e-4
 _ON = 1e-6
 _NONE = frozenset()
 #: What is said of a border that is_joined.
-JOINED = "The border lies on the plane of a Mirror modifier, which joins it to its image"
+JOINED = "The boundary lies on the plane of a Mirror modifier, which joins it; apply the modifier or turn it off in the viewport"
 
 
 @dataclass

@@ -317,7 +317,7 @@ def follow(name):
         _fill(tree, inputs)
         return True
     except (UnusableError, tripatch.Refusal, ValueError) as reason:
-        tree[_PROBLEM] = sentences.for_people(str(reason))
+        tree[_PROBLEM] = sentences.for_people(reason)
         return False
     finally:
         for _, mesh, _, _ in inputs:

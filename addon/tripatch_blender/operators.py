@@ -493,8 +493,7 @@ class FillSmooth(Construction, waiting.Waiting):
         outcome.cage_rim = outcome.cage_rim if outcome.reports else ""
         if made.reports:
             count = len(made.reports)
-            which = f"{count} of them" if outcome.reports else "Filled"
-            made.notes.insert(0, f"{which} with quads instead of a cage: {reason}")
+            made.notes.insert(0, library.tripatch.Message("quads_instead_of_cages", {"count": count, "reason": reason}))
             made.instead = True
         outcome.add(made)
         return new_faces

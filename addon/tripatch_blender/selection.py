@@ -27,6 +27,7 @@ class UnusableError(ValueError):
 
     def __init__(self, message, vertices=(), code="", rim=None):
         super().__init__(message)
+        self.said = getattr(message, "said", message)  # a message with a code, or text
         self.vertices, self.code, self.rim = list(vertices), code, rim
 
 
@@ -43,6 +44,11 @@ class OptionsError(ValueError):
     """Options that a person has chosen do not go together; the message says which."""
 
     vertices = ()
+
+    @property
+    def said(self):
+        """What the message says, as of an `UnusableError`."""
+        return self.args[0]
 
 
 @dataclass
@@ -420,7 +426,11 @@ def selected_rims(bm, selection):
             rims += [rim] if rim else []
     if not rims and not refused:
         if not (touched or parts) or not all(e.is_boundary for e in edges):
-            raise UnusableError("The rim is hidden; reveal it first") if loops and not visible else _no_hole(edges, vertices)
+            raise (
+                UnusableError("The boundary is hidden; use Show/Hide > Reveal Hidden")
+                if loops and not visible
+                else _no_hole(edges, vertices)
+            )
         rims = [] if parts else touched
     refused += parts
     for rim in rims:

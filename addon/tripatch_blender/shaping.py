@@ -62,7 +62,7 @@ class Shaping:
         if mirrored.is_joined(ob, rim):
             raise UnusableError("A Mirror modifier joins this border to its image; use Fill Holes Smoothly for such halves")
         if filling.is_a_point(rim):
-            raise UnusableError(filling.A_POINT, rim.loop)
+            raise UnusableError(tripatch.Message("rim_is_point"), rim.loop)
         self.name = ob.name
         self._going_on = filling.going_on(selection.beside(bm, [rim]))
         self.set_arguments(arguments or {})
@@ -242,7 +242,7 @@ class Shaping:
             self.refusal = None
             self._keep_middle()
         except (tripatch.Refusal, ValueError) as reason:
-            self.refusal = str(reason)
+            self.refusal = getattr(reason, "said", str(reason))
         self.seconds = time.perf_counter() - begun
         return self.fill
 

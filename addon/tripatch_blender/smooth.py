@@ -113,7 +113,7 @@ def plan(ob, bm, resolution, curve):
     try:
         smooth = smoothed(None, given)
     except tripatch.Refusal as refusal:
-        raise UnusableError(refusal.reason) from None
+        raise UnusableError(refusal) from None
     _check_backs(bm, faces, loops)
     weights = tripatch.CutWeights(smooth, triangles, count)
     at_all = _unit(smooth.normals @ linear)

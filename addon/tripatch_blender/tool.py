@@ -79,7 +79,7 @@ def stop():
 def changed():
     """After the fill was made anew."""
     _state.drawn = None
-    _state.problem = sentences.for_people(str(_state.shaping.refusal or "")) if _state.shaping else ""
+    _state.problem = sentences.for_people(_state.shaping.refusal or "") if _state.shaping else ""
     overlay.redraw()
 
 
@@ -307,7 +307,7 @@ class MESH_OT_shape_fill(_OfTool, bpy.types.Operator):
         try:
             start(make())
         except shaping.UnusableError as reason:
-            self.report({"WARNING"}, sentences.for_people(str(reason)))
+            self.report({"WARNING"}, sentences.for_people(reason))
             return {"CANCELLED"}
         if _state.problem:
             self.report({"WARNING"}, _state.problem)
@@ -346,7 +346,7 @@ class MESH_OT_shape_fill_confirm(_OfShaping, waiting.Waiting, bpy.types.Operator
         try:
             outcome, faces = made.write(ob, bm)
         except shaping.UnusableError as reason:
-            self.report({"ERROR"}, sentences.for_people(str(reason)))
+            self.report({"ERROR"}, sentences.for_people(reason))
             return {"CANCELLED"}
         if outcome.refused:
             self.report({"WARNING"}, sentences.for_people(outcome.refused[0].sentence))

@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.h"
+#include "bindings.h"
 #include "tripatch/boundary/bezier_rectangle.h"
 #include "tripatch/boundary/nurbs_surface.h"
 #include "tripatch/constructions/blend.h"
@@ -83,9 +84,9 @@ void bind_bezier(py::module_& m) {
     BoundaryCurves boundary;
     for (int i = 0; i < 3; ++i) boundary[i] = points_from(curves[i]);
     py::gil_scoped_release release;
-    std::vector<std::string> warnings;
+    Messages warnings;
     BezierTriangle triangle = coons_bezier(boundary, kind, alpha, &warnings);
-    return std::pair(std::move(triangle), warnings);
+    return py::make_tuple(std::move(triangle), message_objects(warnings));
   });
   m.def("_coons_energy", [](const BezierTriangle& triangle, bool symmetric) { return coons_energy(triangle, symmetric); });
   m.def("_coons_energy", [](const BezierRectangle& rectangle, bool) { return coons_energy(rectangle); });

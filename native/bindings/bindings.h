@@ -8,11 +8,13 @@
 #include <vector>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/messages.h"
 #include "tripatch/report/report.h"
 #include "tripatch/types.h"
 
 namespace py = pybind11;
 
+void bind_messages(py::module_& m);
 void bind_options(py::module_& m);
 void bind_patches(py::module_& m);
 void bind_bezier(py::module_& m);
@@ -42,7 +44,9 @@ void interruptibly(const Work& work, const py::object& progress = py::none()) {
 }
 
 /// A tripatch.Refusal.
-py::object refusal_object(const std::string& reason, const std::vector<tripatch::Index>& where);
+py::object refusal_object(const tripatch::Message& message, const tripatch::Messages& also);
+/// A list of tripatch.Message.
+py::list message_objects(const tripatch::Messages& messages);
 
 /// The report of a patch made alone, and what there is to say of it. size: of the patch.
 tripatch::Report told_of_patch(tripatch::Report report, double size);

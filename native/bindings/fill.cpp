@@ -67,7 +67,7 @@ void bind_fill(py::module_& m) {
         out.append(std::move(*filled));
       } else {
         const Refused& refused = std::get<Refused>(result);
-        out.append(refusal_object(refused.reason, refused.where));
+        out.append(refusal_object(refused.message, refused.also));
       }
     }
     return out;

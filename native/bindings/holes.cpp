@@ -121,13 +121,18 @@ void bind_holes(py::module_& m) {
           }
           return listed(loops);
         });
-  m.attr("not_joined") = not_joined;
   m.def("_told_of_unjoined", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                                 const std::vector<std::vector<Index>>& rims) {
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-    py::gil_scoped_release release;
-    return told_of_unjoined({points, faces}, rims);
+    std::vector<std::optional<Message>> told;
+    {
+      py::gil_scoped_release release;
+      told = told_of_unjoined({points, faces}, rims);
+    }
+    py::list out;
+    for (const std::optional<Message>& each : told) out.append(each ? py::object(message_objects({*each})[0]) : py::none());
+    return out;
   });
   m.def("_find_corners", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                             const std::vector<Index>& rim, const std::vector<Index>& replaced, bool any_number) {

@@ -7,20 +7,17 @@
 
 using namespace tripatch;
 
-py::object refusal_object(const std::string& reason, const std::vector<Index>& where) {
-  return py::module_::import("tripatch.errors").attr("Refusal")(reason, where);
-}
-
 PYBIND11_MODULE(_native, m) {
   m.doc() = "Compiled core of tripatch";
   py::register_exception_translator([](std::exception_ptr p) {
     try {
       if (p) std::rethrow_exception(p);
-    } catch (const Refusal& refusal) {
-      const py::object error = refusal_object(refusal.what(), refusal.where());
+    } catch (const CodedRefusal& refusal) {
+      const py::object error = refusal_object(refusal.message(), refusal.also());
       PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
     }
   });
+  bind_messages(m);
   bind_options(m);
   bind_patches(m);
   bind_limit(m);

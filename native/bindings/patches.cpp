@@ -156,7 +156,7 @@ void bind_making(py::module_& m) {
         },
         progress);
     made.report.method = options.method == automatic_method ? patch_method : options.method;
-    for (std::string& said : told_of_not_taken(options, patch_method)) made.report.warnings.push_back(std::move(said));
+    for (Message& said : told_of_not_taken(options, patch_method)) made.report.warnings.push_back(std::move(said));
     return std::make_pair(std::const_pointer_cast<Surface>(made.patch),
                           told_of_patch(std::move(made.report), size_of(*made.patch)));
   });

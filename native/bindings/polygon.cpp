@@ -34,7 +34,7 @@ Report told(const FillOptions& asked, const Made& made, double size) {
   Report report;
   report_patch(made, report);
   report.method = polygon_method;
-  for (std::string& said : told_of_not_taken(asked, polygon_method)) report.warnings.push_back(std::move(said));
+  for (Message& said : told_of_not_taken(asked, polygon_method)) report.warnings.push_back(std::move(said));
   return told_of_patch(std::move(report), size);
 }
 

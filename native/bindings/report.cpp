@@ -71,8 +71,14 @@ void bind_report(py::module_& m) {
       .def_readonly("seam_angle_rms", &Report::seam_angle_rms, "Root mean square of that angle, in degrees.")
       .def_readonly("seam_angle_max_by_side", &Report::seam_angle_max_by_side, "Largest angle on each side, in degrees.")
       .def_readonly("seam_angle_rms_by_side", &Report::seam_angle_rms_by_side, "Root mean square on each side, in degrees.")
-      .def_readonly("continuity", &Report::continuity,
-                    "On each side: Free, G0, G1 or G2, what was asked or what auto took; none: the patch misses its boundary.")
+      .def_property_readonly(
+          "continuity",
+          [](const Report& report) {
+            std::vector<std::string> names;
+            for (SeamContinuity each : report.continuity) names.emplace_back(name_of(each));
+            return names;
+          },
+          "On each side: Free, G0, G1 or G2, what was asked or what auto took; none: the patch misses its boundary.")
       .def_readonly("boundary_gap", &Report::boundary_gap,
                     "Largest distance of the patch from the boundary that it is to meet, in units of the mesh.")
       .def_readonly("corner_planes_angle", &Report::corner_planes_angle,
@@ -122,7 +128,9 @@ void bind_report(py::module_& m) {
                     "Cages: largest angle without the rim edges that touch a corner, in degrees.")
       .def_readonly("rows", &Report::rows, "Quads and cages: extra rows of quads round the poles that were taken.")
       .def_readonly("poles", &Report::poles, "Quads and cages: [vertex, valence] of each inner vertex with an irregular valence.")
-      .def_readonly("warnings", &Report::warnings, "Sentences on what a person should know of the fill.")
+      .def_property_readonly(
+          "warnings", [](const Report& report) { return message_objects(report.warnings); },
+          "What a person should know of the fill: sentences (`Message`) with a `code`.")
       .def_readonly("not_applied", &Report::not_applied,
                     "Options that change nothing in this fill, each with a code: output, method, sides, three_sides, position, "
                     "fairing, vertices.")
@@ -139,7 +147,7 @@ void bind_methods(py::module_& m) {
           "joins_sides",
           [](const Method& method) { return method.from_boundary != nullptr || method.name == std::string(polygon_method); },
           "Whether `patch` makes it between given sides.")
-      .def_readonly("continuity", &Method::continuity)
+      .def_property_readonly("continuity", [](const Method& method) { return name_of(method.continuity); })
       .def_property_readonly(
           "sides",
           [](const Method& method) {

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <type_traits>
 
+#include "tripatch/messages.h"
 #include "tripatch/output/fill_result.h"
 #include "tripatch/output/shaped.h"
 
@@ -216,23 +217,22 @@ void check_taken(const FillOptions& given) {
   if (!names.empty()) throw InvalidArgument(given.method + " does not take " + listed(names));
 }
 
-std::vector<std::string> told_of_not_taken(const FillOptions& given, const std::string& used) {
+Messages told_of_not_taken(const FillOptions& given, const std::string& used) {
   const bool automatic = given.method == automatic_method;
   const Method& method = find_method(automatic ? used : given.method);
-  std::vector<std::string> told, others;
+  Messages told;
+  std::vector<std::string> others;
   for (const std::string& name : not_taken(method, given)) {
-    const std::string said = whose(name);
-    if (said.empty())
+    const std::vector<std::string> methods = named_by(option_named(name.c_str()));
+    if (methods.empty() || methods.size() > few)
       others.push_back(name);
     else
-      told.push_back(said + ": not applied");
+      told.push_back({Code::option_of_other_methods, {{"option", name}, {"methods", methods}}});
   }
-  if (!others.empty())
-    told.push_back(automatic ? "For " + listed(others) +
-                                   " smooth sides are needed, between which a patch lies without folds: not applied"
-                             : given.method + " does not take " + listed(others) + ": not applied");
+  if (!others.empty() && automatic) told.push_back({Code::options_need_smooth_sides, {{"options", others}}});
+  if (!others.empty() && !automatic) told.push_back({Code::options_not_taken, {{"method", given.method}, {"options", others}}});
   if (automatic && used == polygon_method && given.cross_boundary != CrossBoundary::consistent)
-    told.emplace_back("For cross_boundary three smooth sides are needed: not applied");
+    told.push_back({Code::option_needs_three_sides, {{"option", "cross_boundary"}}});
   return told;
 }
 
@@ -251,8 +251,7 @@ bool meets_position_only(const FillOptions& options) { return std::ranges::all_o
 std::map<std::string, std::string> not_applied(const FillOptions& given, const Fill& fill) {
   const Method& method = find_method(fill.report.method);
   const bool sided = !fill.sides.empty() || given.output == Output::cage, laid_out_in_three = fill.barycentric.rows() > 0;
-  const auto met_in_position = [](const std::string& c) { return c == "Free" || c == "G0"; };
-  const bool tangent = !std::ranges::all_of(fill.report.continuity, met_in_position);
+  const bool tangent = !std::ranges::all_of(fill.report.continuity, in_position);
   const auto code = [&](const Option& option) -> const char* {
     const std::string name = option.name;
     if (!is_of_output(option, given.output)) return "output";

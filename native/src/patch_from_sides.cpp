@@ -14,6 +14,7 @@
 #include "tripatch/fairing/folds.h"
 #include "tripatch/fairing/follow.h"
 #include "tripatch/fairing/kinks.h"
+#include "tripatch/messages.h"
 #include "tripatch/options.h"
 #include "tripatch/output/shaped.h"
 
@@ -58,7 +59,7 @@ MadePatch construct_and_fair(const Sides& given, const Method& method, const Con
     if (!result.gave_up) made.report.fairing = name_of(result.energy);
     made.report.energy_before = result.before;
     made.report.energy_after = result.after;
-    for (std::string& warning : result.warnings) made.report.warnings.push_back(std::move(warning));
+    for (Message& warning : result.warnings) made.report.warnings.push_back(std::move(warning));
     folds = result.folds;
     made.gave_up = result.gave_up;
   } else if (center) {
@@ -70,14 +71,12 @@ MadePatch construct_and_fair(const Sides& given, const Method& method, const Con
     made.patch = meet_curvature(made.patch, sides, exact);
     if (center) made.patch = with_center(made.patch, *center, 3);
     for (int i = 0; i < 3; ++i)
-      if (exact[i] && kinks.on(i))
-        made.report.warnings.push_back("Side " + std::to_string(i) +
-                                       " has a kink: the curvature of its surroundings is met away from it only");
+      if (exact[i] && kinks.on(i)) made.report.warnings.push_back({Code::side_kink, {{"side", i}}});
   }
   if (!kinks.empty()) made.patch = kinks.restored(made.patch, continuity.tangent);
   made.report.folds = folds && made.patch == counted ? *folds : FoldCounter(kinks)(*made.patch);
-  const std::array<std::string, 3> names = continuity.names();
-  made.report.continuity.assign(names.begin(), names.end());
+  const std::array<SeamContinuity, 3> kept = continuity.kept();
+  made.report.continuity.assign(kept.begin(), kept.end());
   return made;
 }
 
@@ -111,7 +110,7 @@ MadePatch patch_from_sides(const Sides& given, const FillOptions& options, const
                                                 ? " fills holes in meshes; a patch between sides is of another method"
                                                 : " joins three surfaces; use tripatch.blend"));
   const Continuity continuity = resolve_continuity(options.continuity, method, given);
-  const bool keeps_tangent = std::string(method.continuity) != "G0";
+  const bool keeps_tangent = method.continuity != SeamContinuity::g0;
   Sides sides = told_by_rim(given, continuity.tangent);
   for (int i = 0; i < 3 && !keeps_tangent; ++i) sides[i].c = given[i].c;  // all that is met
   const std::array<bool, 3>& free = continuity.free;

@@ -12,6 +12,7 @@
 #include "tripatch/constructions/side_vertex.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/mesh/vertex_normals.h"
+#include "tripatch/messages.h"
 #include "tripatch/patch/seam.h"
 
 namespace tripatch {
@@ -31,16 +32,14 @@ std::vector<Triangle> checked_triangles(const Mesh& mesh) {
       if (v < 0 || v >= mesh.vertices.rows())
         throw InvalidArgument(name + " names vertex " + std::to_string(v) + ", of " + std::to_string(mesh.vertices.rows()));
     if (face.size() != 3)
-      throw Refusal(
-          name + " has " + std::to_string(face.size()) + " corners; only triangles can be smoothed: triangulate it first",
-          {face.begin(), face.end()});
+      throw CodedRefusal(Code::face_is_no_triangle, {{"face", f}, {"corners", face.size()}}, {face.begin(), face.end()});
     std::copy(face.begin(), face.end(), triangles[f].begin());
     for (Index v : face)
-      if (!mesh.vertices.row(v).allFinite()) throw Refusal("The position of vertex " + std::to_string(v) + " is not finite", {v});
+      if (!mesh.vertices.row(v).allFinite()) throw CodedRefusal(Code::position_not_finite, {v});
     const Vec3 a = mesh.vertices.row(face[0]), b = mesh.vertices.row(face[1]), c = mesh.vertices.row(face[2]);
     const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
     if (!((b - a).cross(c - a).norm() > least_area * longest * longest))
-      throw Refusal(name + " has no area", {face.begin(), face.end()});
+      throw CodedRefusal(Code::face_without_area, {{"face", f}}, {face.begin(), face.end()});
   }
   return triangles;
 }
@@ -48,8 +47,7 @@ std::vector<Triangle> checked_triangles(const Mesh& mesh) {
 /// Places and normals that came of the vertices of a face or an edge.
 void check_finite(const Points& points, Index row, std::span<const Index> of) {
   if (!points.row(row).allFinite())
-    throw Refusal("Coordinates at vertex " + std::to_string(of[0]) + " are too large to compute with; move what lies far away",
-                  {of.begin(), of.end()});
+    throw CodedRefusal(Code::coordinates_too_large, {{"near", std::vector<Index>{of[0]}}}, {of.begin(), of.end()});
 }
 
 /// Barycentric points (resolution - j - k, j, k) / resolution of a face that lie inside it, row by row.
@@ -114,13 +112,10 @@ void take_normals(const Points& given, bool estimated, const Lattice& lattice, P
   for (const auto& edge : lattice.edges) used[edge[0]] = used[edge[1]] = 1;
   for (Index v = 0; v < lattice.vertices; ++v) {
     if (!used[v]) continue;
-    const std::string name = std::to_string(v);
-    if (!given.row(v).allFinite()) throw Refusal("The normal of vertex " + name + " is not finite", {v});
+    if (!given.row(v).allFinite()) throw CodedRefusal(Code::normal_not_finite, {v});
     const Vec3 normal = given.row(v);
     if (!(normal.stableNorm() >= std::numeric_limits<double>::min()))
-      throw Refusal(estimated ? "The normals of the faces around vertex " + name + " cancel: give its normal"
-                              : "The normal of vertex " + name + " is zero",
-                    {v});
+      throw CodedRefusal(estimated ? Code::normals_cancel : Code::normal_zero, {v});
     normals.row(v) = normal.stableNormalized();
   }
 }
@@ -134,11 +129,10 @@ std::vector<Side> smooth_edges(const Lattice& lattice, NormalCurve curve, const 
     const auto [a, b] = lattice.edges[e];
     try {
       sides[e] = side_from_normals(point(a), normal(a), point(b), normal(b), curve);
-    } catch (const Refusal& refusal) {
-      std::vector<Index> where;
-      for (Index w : refusal.where()) where.push_back(w == 0 ? a : b);
-      std::string at = " (vertex " + std::to_string(where[0]) + ", on the edge from ";
-      throw Refusal(refusal.what() + at + std::to_string(a) + " to " + std::to_string(b) + ")", where);
+    } catch (const CodedRefusal& refusal) {
+      Message message = with_vertices(refusal.message(), [a = a, b = b](Index w) -> Index { return w == 0 ? a : b; });
+      message.parameters.push_back({"edge", std::vector<Index>{a, b}});
+      throw CodedRefusal(std::move(message));
     }
   }
   return sides;
@@ -213,17 +207,14 @@ std::vector<Side> sides_over(const Lattice& lattice, const std::vector<std::arra
     known[{std::min(edges[e][0], edges[e][1]), std::max(edges[e][0], edges[e][1])}] = e;
   std::vector<Side> sides;
   for (const std::array<Index, 2>& edge : lattice.edges) {
-    const std::string name = "the edge from " + std::to_string(edge[0]) + " to " + std::to_string(edge[1]);
     const auto found = known.find(edge);
-    if (found == known.end()) throw Refusal("No curve is given over " + name, {edge[0], edge[1]});
+    if (found == known.end()) throw CodedRefusal(Code::no_curve_given, {edge[0], edge[1]});
     const Side& own = given[found->second];
     Side& side = sides.emplace_back(own);
     if (edges[found->second][0] != edge[0]) side = {own.c.reversed(), -1.0 * own.r.reversed(), {}};
     const Vec3 from = Vec3(out.vertices.row(edge[0])) - side.c(0), to = Vec3(out.vertices.row(edge[1])) - side.c(1);
     const double gap = std::max(from.norm(), to.norm()), length = (out.vertices.row(edge[0]) - out.vertices.row(edge[1])).norm();
-    if (!(gap <= sides_meet * length))
-      throw Refusal("The curve over " + name + " does not run between its vertices: it is " + std::to_string(gap) + " off",
-                    {edge[0], edge[1]});
+    if (!(gap <= sides_meet * length)) throw CodedRefusal(Code::curve_off_vertices, {{"gap", gap}}, {edge[0], edge[1]});
     side = moved_ends(std::move(side), from, to);
   }
   return sides;
@@ -242,10 +233,7 @@ void take_common_normals(const Lattice& lattice, const std::vector<Side>& sides,
     out.normals.row(v) = normal;
     double off = 0;
     for (const Vec3& n : at[v]) off = std::max(off, n.norm() > 0 ? degrees_between(n, normal) : 90);
-    if (off > same_plane)
-      throw Refusal("The planes of the curves at vertex " + std::to_string(v) + " are not one: they differ by " +
-                        std::to_string(off) + " degrees from their mean",
-                    {v});
+    if (off > same_plane) throw CodedRefusal(Code::curve_planes_differ, {{"angle", off}}, {v});
   }
 }
 

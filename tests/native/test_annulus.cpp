@@ -135,7 +135,7 @@ TEST_CASE("a ring that is to meet curvature has that of its surroundings along i
       return -Vec3(p[0], p[1], 0) / Vec3(p[0], p[1], 0).squaredNorm();  // of the circle about z
     });
   const AnnulusPatch made = annulus_patch(first, second, {{SideContinuity::g2, SideContinuity::g2}, {1, 1}});
-  CHECK(made.continuity == std::array<std::string, 2>{"G2", "G2"});
+  CHECK(made.continuity == std::array{SeamContinuity::g2, SeamContinuity::g2});
   const auto [most, rms] = errors_of(made, [&](const Vec3& p) { return from_torus(p, large, small); });
   CHECK(most < 2e-3 * small);
 }

@@ -54,29 +54,29 @@ TEST_CASE("of what cannot be subdivided the reason is said in numbers of the mes
   const Complaint complaint;
   Faces faces;
   for (const std::vector<Index>& face : {std::vector<Index>{0, 1, 2}, {7, 4, 3, 9, 1, 3}, {5, 6, 7}}) faces.add(face);
-  const Refusal twice = not_subdivided("The cage", faces, std::vector<Index>{1, 2}, complaint);
+  const CodedRefusal twice = not_subdivided(Subdivided::cage, faces, std::vector<Index>{1, 2}, complaint);
   CHECK(std::string(twice.what()) == "The cage cannot be subdivided: a face passes vertex 3 twice");
   CHECK(twice.where() == std::vector<Index>{3});
 
   std::vector<Index> wide(65536);
   for (std::size_t k = 0; k < wide.size(); ++k) wide[k] = static_cast<Index>(k) + 12;
   faces.add(wide);
-  const Refusal corners = not_subdivided("The mesh", faces, std::vector<Index>{1, 3}, complaint);
+  const CodedRefusal corners = not_subdivided(Subdivided::mesh, faces, std::vector<Index>{1, 3}, complaint);
   CHECK(std::string(corners.what()) ==
         "The mesh cannot be subdivided: a face at vertex 12 has 65536 corners; subdivision takes 65535 at most");
   CHECK(corners.where() == std::vector<Index>{12});
-  CHECK(not_subdivided("The cage", faces, std::vector<Index>{1, 2}, complaint).where() == std::vector<Index>{3});
+  CHECK(not_subdivided(Subdivided::cage, faces, std::vector<Index>{1, 2}, complaint).where() == std::vector<Index>{3});
 
   Faces fan;
   for (Index k = 0; k < 65536; ++k) fan.add(std::array<Index, 3>{4, 5 + k, 6 + k});
   std::vector<Index> all(fan.size());
   std::iota(all.begin(), all.end(), Index{0});
-  const Refusal many = not_subdivided("The cage", fan, all, complaint);
+  const CodedRefusal many = not_subdivided(Subdivided::cage, fan, all, complaint);
   CHECK(std::string(many.what()) ==
         "The cage cannot be subdivided: 65536 faces meet at vertex 4; subdivision takes 65535 at most");
   CHECK(many.where() == std::vector<Index>{4});
   all.pop_back();
   Complaint::takes_error("so");
-  const Refusal unknown = not_subdivided("The cage", fan, all, complaint);
+  const CodedRefusal unknown = not_subdivided(Subdivided::cage, fan, all, complaint);
   CHECK(std::string(unknown.what()) == "The cage cannot be subdivided: OpenSubdiv says of it: so");
 }

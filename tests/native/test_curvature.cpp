@@ -78,7 +78,7 @@ double seam_deg(const Surface& patch, const Sides& sides) {
 TEST_CASE("the curvature term makes every G1 patch meet the surroundings' curvature and keeps what it had") {
   const Sides sides = wave_sides();
   for (const Method& method : methods()) {
-    if (std::string(method.continuity) != "G1" || !method.from_boundary) continue;
+    if (method.continuity != SeamContinuity::g1 || !method.from_boundary) continue;
     INFO(method.name);
     const SurfacePtr plain = method.from_boundary(make_boundary(sides), {});
     const SurfacePtr patch = meet_curvature(plain, sides, {true, true, true});

@@ -121,9 +121,9 @@ TEST_CASE("normals that determine no curve are refused, with the corner") {
   const auto where = [](std::array<Vec3, 3> p, std::array<Vec3, 3> n) {
     try {
       sides_from_normals(p, n);
-    } catch (const Refusal& refusal) {
+    } catch (const CodedRefusal& refusal) {
       INFO(refusal.what());
-      CHECK(std::string(refusal.what()).find("corner " + std::to_string(refusal.where()[0])) != std::string::npos);
+      CHECK(std::string(refusal.what()).find("vertex " + std::to_string(refusal.where()[0])) != std::string::npos);
       return refusal.where();
     }
     return std::vector<Index>();

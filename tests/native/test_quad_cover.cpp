@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "test_refusals.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/jet.h"
 #include "tripatch/output/quad_cover.h"
@@ -93,7 +94,7 @@ TEST_CASE("the fewest rows of quads are taken that keep the tolerance", "[quad_c
   CHECK(rim.cover(patch, {.tolerance = reached.back() * 1.001}).warnings.empty());
   const Cover beyond = rim.cover(patch, {.tolerance = reached.back() * 0.999});
   REQUIRE(beyond.warnings.size() == 1);
-  CHECK(beyond.warnings[0] == too_few_rows);
+  CHECK(beyond.warnings[0].code == Code::tolerance_out_of_reach);
   CHECK(beyond.faces.size() == rim.cover(patch, {.rows = most_extra_rows}).faces.size());
 }
 

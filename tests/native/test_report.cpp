@@ -169,8 +169,8 @@ TEST_CASE("angles are told to two digits, from 99.5 degrees on to three", "[thre
   report.corner_planes_angle = report.corner_normals_spread = {99.4, 99.6};
   tell_corners(report);
   REQUIRE(report.warnings.size() == 2);
-  CHECK_THAT(report.warnings[0], Catch::Contains("differ by 99 degrees"));
-  CHECK_THAT(report.warnings[1], Catch::Contains("differ by 99.6 degrees"));
+  CHECK_THAT(report.warnings[0].text(), Catch::Contains("differ by 99 degrees"));
+  CHECK_THAT(report.warnings[1].text(), Catch::Contains("differ by 99.6 degrees"));
 }
 
 TEST_CASE("triangles of a disc are measured alike whether their border is known or looked for") {

@@ -158,7 +158,7 @@ TEST_CASE("a round rim with three corners") {
     const Boundary boundary = boundary_of(sides, CrossBoundary::consistent);
     for (int k = 0; k < 3; ++k) CHECK(std::abs(boundary.turn_deg[k]) < 1e-6);
     for (const Method& method : methods()) {
-      if (std::string(method.continuity) != "G1" || !method.from_boundary) continue;
+      if (method.continuity != SeamContinuity::g1 || !method.from_boundary) continue;
       const SurfacePtr patch = method.from_boundary(boundary, {});
       const bool even = at[1] == 120;
       UNSCOPED_INFO(method.name << (even ? " even" : " uneven"));
@@ -182,7 +182,7 @@ TEST_CASE("cube-like corners: three faces that meet at right angles") {
   const Boundary boundary = boundary_of(sides, CrossBoundary::consistent);
   for (int k = 0; k < 3; ++k) CHECK(boundary.corner_mismatch_deg[k] == Approx(90));
   for (const Method& method : methods()) {
-    if (std::string(method.continuity) != "G1" || !method.from_boundary) continue;
+    if (method.continuity != SeamContinuity::g1 || !method.from_boundary) continue;
     UNSCOPED_INFO(method.name);
     const SurfacePtr patch = method.from_boundary(boundary, {});
     CHECK(seam_error(*patch, sides) < 1e-6);

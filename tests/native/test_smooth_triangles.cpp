@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 
+#include "test_refusals.h"
 #include "tripatch/constructions/side_vertex.h"
 #include "tripatch/mesh/vertex_normals.h"
 #include "tripatch/smooth_triangles.h"
@@ -272,40 +273,40 @@ TEST_CASE("what cannot be smoothed is refused by name") {
   const auto message = [](const TriangleSoup& soup, const std::optional<Points>& normals = {}) {
     try {
       smooth_triangles(soup.mesh(), normals);
-    } catch (const Refusal& refusal) {
+    } catch (const CodedRefusal& refusal) {
       CHECK_FALSE(refusal.where().empty());
-      return std::string(refusal.what());
+      return code_of(refusal.message());
     }
     return std::string();
   };
   TriangleSoup soup = icosphere(0);
   soup.faces.add(std::array<Index, 4>{0, 1, 2, 3});
-  CHECK_THAT(message(soup), Catch::StartsWith("Face 20 has 4 corners"));
+  CHECK(message(soup) == "face_is_no_triangle");
   soup = icosphere(0);
   soup.faces.add(std::array<Index, 3>{0, 1, 1});
-  CHECK(message(soup) == "Face 20 has no area");
+  CHECK(message(soup) == "face_without_area");
   soup = icosphere(0);
   soup.vertices(7, 2) = std::nan("");
-  CHECK(message(soup) == "The position of vertex 7 is not finite");
+  CHECK(message(soup) == "position_not_finite");
   soup = sheet(3);
   soup.vertices.col(2).setConstant(std::numeric_limits<double>::max());  // finite, but no longer as a sum
-  CHECK_THAT(message(soup), Catch::Contains("too large to compute with"));
+  CHECK(message(soup) == "coordinates_too_large");
   soup = icosphere(0);
   Points normals = soup.vertices;
   normals.row(4).setZero();
-  CHECK(message(soup, normals) == "The normal of vertex 4 is zero");
+  CHECK(message(soup, normals) == "normal_zero");
   normals(4, 0) = std::numeric_limits<double>::infinity();
-  CHECK(message(soup, normals) == "The normal of vertex 4 is not finite");
+  CHECK(message(soup, normals) == "normal_not_finite");
   normals = soup.vertices;
   normals.row(4) = soup.vertices.row(9) - soup.vertices.row(4);
-  CHECK_THAT(message(soup, normals), Catch::Contains("vertex 4"));
+  CHECK(message(soup, normals) == "normal_along_edge");
   // two faces back to back: their normals cancel
   TriangleSoup flat;
   flat.vertices.resize(3, 3);
   flat.vertices << 0, 0, 0, 1, 0, 0, 0, 1, 0;
   flat.faces.add(std::array<Index, 3>{0, 1, 2});
   flat.faces.add(std::array<Index, 3>{0, 2, 1});
-  CHECK_THAT(message(flat), Catch::Contains("cancel"));
+  CHECK(message(flat) == "normals_cancel");
 
   soup = icosphere(0);
   CHECK_THROWS_AS(smooth_triangles(soup.mesh(), Points(soup.vertices.topRows(5))), InvalidArgument);

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "test_cages.h"
+#include "test_refusals.h"
 #include "tripatch/cage/cage_fit.h"
 #include "tripatch/cage/cage_layout.h"
 #include "tripatch/fill.h"
@@ -148,8 +149,7 @@ TEST_CASE("a cage's report warns of poles of more than seven triangles", "[thres
     Index most = 0;
     for (const auto& [vertex, valence] : made.report.poles) most = std::max(most, valence);
     CHECK(most == 14 - longest);
-    CHECK(std::any_of(made.report.warnings.begin(), made.report.warnings.end(),
-                      [](const std::string& said) { return said.find("Pole of valence") == 0; }) == (most > 7));
+    CHECK(has(made.report.warnings, Code::high_valence_pole) == (most > 7));
   }
 }
 

@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "test_plane_rims.h"
+#include "test_refusals.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;
@@ -45,16 +46,16 @@ TEST_CASE("a rim has twelve corners at most that are told", "[thresholds]") {
   const auto said = [](const PlaneRim& rim) -> std::string {
     try {
       three_corners(rim.mesh(), Connectivity(rim.mesh()), rim.rim);
-    } catch (const Refusal& refusal) {
-      return refusal.what();
+    } catch (const CodedRefusal& refusal) {
+      return code_of(refusal.message()) + " " + std::to_string(refusal.where().size());
     }
     return "";
   };
-  CHECK(said(straight({360.0 / 8}, 8, {8})) == "Rim has 8 corners; select three");
+  CHECK(said(straight({360.0 / 8}, 8, {8})) == "not_three_corners 8");
   // from ten on corners turn by less than 40 degrees; twelve are those of a star
   const auto star = [](int points) { return straight({360.0 / points + 60, -60}, points, {6, 6}); };
-  CHECK(said(star(12)) == "Rim has 12 corners; select three");
-  CHECK(said(star(13)) == "Rim has more than 12 corners; select three");
+  CHECK(said(star(12)) == "not_three_corners 12");
+  CHECK(said(star(13)) == "too_many_corners 13");
 }
 
 TEST_CASE("of two turns that differ by less than a millionth of a radian the one at the lower vertex is the corner",

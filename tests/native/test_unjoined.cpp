@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "test_refusals.h"
 #include "tripatch/fill.h"
 #include "tripatch/hole/unjoined.h"
 #include "tripatch/mesh/border_loops.h"
@@ -15,7 +16,7 @@ struct Sheet {
   Faces faces;
   Mesh mesh() const { return {vertices, faces}; }
   std::vector<std::vector<Index>> rims() const { return border_loops(Connectivity(mesh())); }
-  std::vector<std::string> told() const { return told_of_unjoined(mesh(), rims()); }
+  std::vector<std::optional<Message>> told() const { return told_of_unjoined(mesh(), rims()); }
 };
 
 /// A saddle over six squares a side, that in the middle left out; those from a column on have vertices of their own.
@@ -53,7 +54,7 @@ bool names(const std::string& text, const std::string& part) { return text.find(
 }  // namespace
 
 TEST_CASE("of a joined mesh nothing is told, whatever lies unused at its places") {
-  for (const std::string& told : parted_from(6).told()) CHECK(told.empty());
+  for (const std::optional<Message>& told : parted_from(6).told()) CHECK(!told);
 }
 
 TEST_CASE("a seam beside a hole is told of the borders that run along it only") {
@@ -61,18 +62,18 @@ TEST_CASE("a seam beside a hole is told of the borders that run along it only") 
   const std::vector<std::vector<Index>> rims = s.rims();
   REQUIRE(rims.size() == 3);
   REQUIRE(rims[0].size() == 4);
-  const std::vector<std::string> told = s.told();
-  CHECK(told[0].empty());
-  CHECK(names(told[1], "6 of the 16 edges"));
-  CHECK(names(told[2], "6 of the 20 edges"));
+  const std::vector<std::optional<Message>> told = s.told();
+  CHECK(!told[0]);
+  CHECK(names(told[1]->text(), "6 of the 16 edges"));
+  CHECK(names(told[2]->text(), "6 of the 20 edges"));
 }
 
 TEST_CASE("a seam that ends in a hole is told of its rim, whose edges beside it count only") {
   const Sheet s = parted_from(3);  // the seam runs along one side of the hole
-  const std::vector<std::string> told = s.told();
+  const std::vector<std::optional<Message>> told = s.told();
   REQUIRE(told.size() == 2);
-  for (const std::string& each : told) CHECK(names(each, "5 of the "));
-  CHECK(names(told[0], "Merge by Distance"));
+  for (const std::optional<Message>& each : told) CHECK(names(each->text(), "5 of the "));
+  CHECK(told[0]->code == Code::edges_on_borders);
 }
 
 TEST_CASE("the last digit of a coordinate parts what lies upon each other, the sign of zero does not") {
@@ -96,10 +97,10 @@ TEST_CASE("fills and refusals of such rims say so, one or all, near the origin a
     seam.vertices.array() += away;
     const std::vector<std::vector<Index>> rims = soup.rims();
     for (const auto& result : fill_all(soup.mesh(), rims)) {
-      const std::string& reason = std::get<Refused>(result).reason;
-      CHECK(names(reason, "single face"));
-      CHECK(names(reason, "Merge by Distance"));
-      CHECK(reason.find("Merge by Distance") == reason.rfind("Merge by Distance"));
+      const Refused& refused = std::get<Refused>(result);
+      CHECK(refused.message.code == Code::loose_face);
+      REQUIRE(refused.also.size() == 1);
+      CHECK(refused.also[0].code == Code::rim_on_borders);
     }
     FillOptions options;
     options.rim = rims[3];
@@ -109,7 +110,7 @@ TEST_CASE("fills and refusals of such rims say so, one or all, near the origin a
     const Fill all = std::get<Fill>(fill_all(seam.mesh(), {*options.rim})[0]);
     for (const Fill* each : {&one, &all}) {
       REQUIRE(!each->report.warnings.empty());
-      CHECK(names(each->report.warnings.back(), "Merge by Distance"));
+      CHECK(code_of(each->report.warnings.back()).ends_with("_on_borders"));
     }
   }
 }

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import tripatch
+from codes import refused
 from shapes import corner_removed, cube_sphere
 from tripatch import _arrays, _native
 
@@ -71,7 +72,7 @@ def test_where_the_lines_of_quads_turn_themselves_the_corners_are_those_of_the_g
     hexagon = np.array([[np.cos(a), np.sin(a), 0] for a in np.arange(6) * np.pi / 3])
     points = np.concatenate([hexagon, 2 * hexagon])
     ring = [[(k + 1) % 6, k, 6 + k, 6 + (k + 1) % 6] for k in range(6)]
-    with pytest.raises(tripatch.Refusal, match="6 corners"):
+    with refused("not_three_corners"):
         tripatch.find_corners(points, ring, np.arange(6))
 
 

@@ -7,6 +7,7 @@ import warnings
 import numpy as np
 import pytest
 import tripatch
+from codes import refused
 from shapes import corner_removed, cube_sphere, octant
 from tripatch import __main__ as cli
 from tripatch import files
@@ -80,7 +81,7 @@ def test_the_paths_numbers_are_the_energies_of_the_patches():
 
 def test_what_a_permanence_patch_has_to_say_is_a_warning_or_a_refusal():
     vertices, faces, hole = uneven_hole(4)  # degree 4: singular at the paper's alpha
-    with pytest.raises(tripatch.Refusal, match="degree 4 with alpha -0.66"):
+    with refused("coons_without_solution"):
         tripatch.fill(vertices, faces, **hole, method="coons_bezier", alpha=-2 / 3)
     corners, sides = np.array([(0, 0, 0), (1, 0, 0.2), (0.3, 0.9, 0)]), []
     for i in range(3):
@@ -92,7 +93,7 @@ def test_what_a_permanence_patch_has_to_say_is_a_warning_or_a_refusal():
                 lambda t: np.outer(1 + 0 * t, [0, 0, 1.0]),
             )
         )
-    with pytest.warns(UserWarning, match="degree 4 with alpha -0.666667 is singular .* nearest"):
+    with pytest.warns(UserWarning, match="degree 4 with alpha -0.67 is singular .* nearest"):
         tripatch.patch(sides, "coons_bezier", alpha=-2 / 3)
 
 
@@ -182,7 +183,7 @@ def test_every_degree_gives_a_finite_net_or_a_sentence_that_names_it(kind, degre
         try:
             made = tripatch.coons_bezier([net.side(i) for i in range(3)], kind)
         except tripatch.Refusal as refusal:
-            assert f"degree {degree}" in refusal.reason
+            assert refusal.code == "coons_without_solution"
             assert degree in ((6, 8, 10, 12, 14, 16, 18, 20) if kind == "mask" else (4, 10) if kind == "permanence" else ())
         else:
             assert made.degree == degree + (kind == "discrete")
@@ -260,7 +261,7 @@ def with_side(change):
 @pytest.mark.parametrize("method", BETWEEN_SIDES)
 def test_sides_that_do_not_meet_are_named(method):
     sides = with_side(lambda c, dc, r: (lambda t: c(t) + [0, 0, 1e-3], dc, r))
-    with pytest.raises(tripatch.Refusal, match=r"Sides 0 and 1 do not meet at corner 2: the gap is 0\.001$"):
+    with refused("sides_apart"):
         tripatch.patch(sides, method)
 
 
@@ -271,7 +272,7 @@ def test_ends_within_a_tolerance_are_moved_together():
         patch = tripatch.patch(sides, tolerance=2e-4)
     b = np.random.default_rng(1).dirichlet((1, 1, 1), 50)
     assert np.abs(patch.evaluate(b) - exact.evaluate(b)).max() < 2e-4
-    with pytest.raises(tripatch.Refusal, match="do not meet at corner"):
+    with refused("sides_apart"):
         tripatch.patch(sides, tolerance=5e-5)
     with pytest.raises(TypeError, match="tolerance must be a number"):
         tripatch.patch(sides, tolerance="some")
@@ -285,7 +286,7 @@ def test_ends_within_a_tolerance_are_moved_together():
 @pytest.mark.parametrize("cross_boundary", ["given", "consistent"])
 def test_slopes_without_a_tangent_plane_are_refused(method, cross_boundary):
     for change in (lambda c, dc, r: (c, dc, lambda t: 0 * r(t)), lambda c, dc, r: (c, dc, lambda t: 2 * dc(t))):
-        with pytest.raises(tripatch.Refusal, match="Side 1 has no tangent planes"):
+        with refused("side_without_planes"):
             tripatch.patch(with_side(change), method, cross_boundary)
 
 
@@ -306,7 +307,7 @@ def test_a_rim_vertex_that_is_no_number_is_named(method):
     vertices, faces, hole = uneven_hole()
     bad = hole["rim"][3]
     vertices[bad, 1] = np.nan
-    with pytest.raises(tripatch.Refusal, match=f"Vertex {bad} at the rim has no finite position") as error:
+    with refused("vertex_not_finite") as error:
         tripatch.fill(vertices, faces, **hole, method=method)
     assert error.value.where == [bad]
 
@@ -414,7 +415,7 @@ def test_three_rectangular_surfaces_are_joined(method, cross_boundary):
 
 def test_the_bezier_methods_refuse_rational_sides():
     sides = [tripatch.Side(rectangle(i, rational=i == 1), 0) for i in range(3)]
-    with pytest.raises(tripatch.Refusal, match="Side 1 is not a Bezier curve of degree 12 or less"):
+    with refused("side_is_no_bezier_curve"):
         tripatch.patch(sides, "coons_bezier")
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import tripatch
+from codes import refused
 from test_papers import curve, largest
 
 
@@ -100,16 +101,16 @@ def test_what_is_no_network_is_refused_with_its_vertices():
     vertices, triangles, normals = hexagon()
     curves = cubics(vertices, triangles, normals)
     missing = {edge: c for edge, c in curves.items() if edge != (0, 3)}
-    with pytest.raises(tripatch.Refusal, match="No curve is given over the edge from 0 to 3") as refused:
+    with refused("no_curve_given") as caught:
         tripatch.network(vertices, triangles, missing, normals)
-    assert list(refused.value.where) == [0, 3]
+    assert list(caught.value.where) == [0, 3]
     moved = curves | {(0, 3): curves[0, 3] + [[0.01, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]]}
-    with pytest.raises(tripatch.Refusal, match="does not run between its vertices"):
+    with refused("curve_off_vertices"):
         tripatch.network(vertices, triangles, moved, normals)
     bent = curves | {(0, 3): curves[0, 3] + [[0, 0, 0], [0, 0, 0.05], [0, 0, 0], [0, 0, 0]]}
-    with pytest.raises(tripatch.Refusal, match="planes of the curves at vertex 0 are not one") as refused:
+    with refused("curve_planes_differ") as caught:
         tripatch.network(vertices, triangles, bent, normals)
-    assert list(refused.value.where) == [0]
+    assert list(caught.value.where) == [0]
     with pytest.raises(ValueError, match="normals has nothing for the edge from 0 to 1"):
         tripatch.network(vertices, triangles, curves, {(1, 2): normals[:2]})
     with pytest.raises(TypeError, match="curves must be a name"):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import tripatch
+from codes import says
 from shapes import octant
 from test_any_rim import inner_rim, irregular, wave
 from test_features import creased, roof
@@ -70,7 +71,7 @@ def test_quads_of_a_patch_between_sides_have_vertices_there(name, count):
     assert fill.report.method == "multi_sided" and {len(face) for face in fill.faces} == {4}
     at = nearest_vertices(fill, points)
     assert len(set(at)) == count and np.abs(fill.vertices[at] - points).max() < 1e-12 * size
-    assert not any("points inside" in warning for warning in fill.report.warnings)
+    assert not says(fill.report, "points_without_vertices")
     assert fill.report.triangles_folded == 0
     uv = np.vstack([np.zeros((len(vertices), 2)), fill.uv])
     uv[fill.rim] = fill.rim_uv
@@ -86,7 +87,7 @@ def test_a_point_that_would_turn_a_quad_over_stays_without_a_vertex():
     plain = tripatch.fill(vertices, faces, **options, through=[(0, 0, 1.2)])
     close = [(0, 0, 1.2), (0.002, 0, 1.2), (0.001, 0.0015, 1.2)]
     fill = tripatch.fill(vertices, faces, **options, through=close)
-    assert any("no vertices of them lie there" in warning for warning in fill.report.warnings)
+    assert says(fill.report, "points_without_vertices")
     assert len(fill.faces) == len(plain.faces) and fill.report.triangles_folded == 0
     for point in close:
         assert met(fill.patch, np.array(point))[0] < 1e-12

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "tripatch/messages.h"
 #include "tripatch/options.h"
 #include "tripatch/output/fill_result.h"
 #include "tripatch/patch_from_sides.h"
@@ -17,11 +18,13 @@ namespace tripatch {
 
 Fill fill(const Mesh& mesh, const FillOptions& options = {});
 
+/// Why a hole is not filled.
 struct Refused {
-  std::string reason;
-  std::vector<Index> where;
+  Message message;
+  Messages also = {};  ///< what else is to be said
+  std::string text() const { return CodedRefusal(message, also).what(); }
 };
-inline Refused refused(const Refusal& refusal) { return {refusal.what(), refusal.where()}; }
+inline Refused refused(const CodedRefusal& refusal) { return {refusal.message(), refusal.also()}; }
 
 /// Called by the caller's own thread, several times a second and after the last: how many holes are done. What it throws ends the
 /// work.

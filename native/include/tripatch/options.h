@@ -13,6 +13,7 @@
 #include "tripatch/choices.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/hole/choose_holes.h"
+#include "tripatch/messages.h"
 #include "tripatch/patch/through.h"
 
 namespace tripatch {
@@ -101,7 +102,7 @@ void check_taken(const FillOptions& given);
 ///   "vertices"    the fill has no vertices that could move
 std::map<std::string, std::string> not_applied(const FillOptions& given, const Fill& fill);
 /// What is said of options that were given and that the method which was used does not read.
-std::vector<std::string> told_of_not_taken(const FillOptions& given, const std::string& used);
+Messages told_of_not_taken(const FillOptions& given, const std::string& used);
 
 /// Whether all sides are to be met in position only.
 bool meets_position_only(const FillOptions& options);

@@ -14,6 +14,7 @@ from .files import FileError, MeshFile, read, write
 from .filling import Fill, Fills, fill, fill_all
 from .holes import SURROUNDING_RINGS, choose_holes, find_corners, find_holes, is_outer_border, outer_borders
 from .merging import HolesReport, fill_holes, merge
+from .messages import Message
 from .networks import network
 from .nurbs import NurbsPatch, nurbs, write_step
 from .options import METHODS, OPTIONS
@@ -50,6 +51,7 @@ __all__ = [
     "Fills",
     "HolesReport",
     "MeshFile",
+    "Message",
     "NurbsPatch",
     "NurbsSurface",
     "Option",

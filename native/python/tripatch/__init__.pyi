@@ -13,6 +13,7 @@ from .files import FileError as FileError
 from .files import MeshFile as MeshFile
 from .files import read as read
 from .files import write as write
+from .messages import Message as Message
 
 __version__: str
 __all__: list[str]
@@ -187,7 +188,7 @@ class Report:
     seam_angle_max_inside: float
     rows: int
     poles: list[list[int]]
-    warnings: list[str]
+    warnings: list[Message]
     not_applied: dict[str, str]
     seconds: float
     def __init__(self) -> None: ...

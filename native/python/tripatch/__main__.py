@@ -137,7 +137,8 @@ def _report(holes: list[Any], left: Sequence[Any], out: files.MeshFile) -> str:
     entries = []
     for rim, result in holes:
         if isinstance(result, tripatch.Refusal):
-            entries.append({"rim": rim, "refused": result.reason, "where": result.where})
+            codes = [each.code for each in result.messages]
+            entries.append({"rim": rim, "refused": result.reason, "codes": codes, "where": result.where})
         else:
             added = {"rim": result.rim, "new_vertices": len(result.vertices), "new_faces": len(result.faces)}
             if len(result.creases[0]):

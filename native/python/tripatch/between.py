@@ -16,6 +16,7 @@ from . import _arrays, _native
 from ._native import RectangleSurface, Side
 from ._types import Array, ArrayLike, Faces
 from .errors import Refusal
+from .messages import Message
 
 Way = tuple[float, float]  # along a curve, by its parameter
 _SHARP = np.cos(np.radians(25))  # a mesh's border turns by more than this at a corner
@@ -86,10 +87,10 @@ class SurfaceEdge(Curve):
         self._dense, (c, along, across, _) = dense, side.evaluate(dense)
         self._positions, size = c, np.ptp(c, axis=0).max()
         if not size > _POINT * np.abs(c).max(initial=0):
-            raise Refusal(f"An edge of {name} is a single point")
+            raise Refusal.of(Message("surface_edge_is_point", {"name": name}))
         spanned = np.linalg.norm(np.cross(along, across), axis=1)
         if not (spanned > _LINE * np.linalg.norm(along, axis=1) * np.linalg.norm(across, axis=1)).any():
-            raise Refusal(f"{name} is flat to a line along an edge: it has no tangent planes there")
+            raise Refusal.of(Message("surface_flat_to_line", {"name": name}))
         self.closed = bool(np.linalg.norm(c[-1] - c[0]) < _CLOSED * size)
         self.t = drawn[: edges + (not self.closed)]
         self.points = self.at(self.t)
@@ -185,7 +186,7 @@ class MeshBorder(Curve):
         elif n - (last - first) > 1:
             corners = [first, last, last + (n - (last - first)) // 2]
         else:
-            raise Refusal(f"The border of {self.name} is too short to have a side and an edge besides")
+            raise Refusal.of(Message("border_too_short", {"name": self.name}))
         at = [int(self._loop[k % n]) for k in corners]
         sides, parameters, _ = _native._mesh_sides(*self._mesh, self._loop.tolist(), at)
         found = []
@@ -459,12 +460,14 @@ def _loop_of_many(objects: Any, tolerance: float, size: float) -> Loop:
         gap, name = sorted(nearest)[1]
         apart = max(apart, (gap, own[0].name, name))
     if apart[0] > tolerance:
-        raise Refusal(
-            f"The edges of {apart[1]} and {apart[2]} do not meet: they are {apart[0]:.3g} apart or more, the tolerance is "
-            f"{tolerance:.3g} (scene units)"
-        )
+        raise _apart(apart[1], apart[2], apart[0], tolerance)
     names = [own[0].name for own in objects]
-    raise Refusal(f"The edges of {', '.join(names[:-1])} and {names[-1]} enclose no hole with a side of each")
+    raise Refusal.of(Message("edges_enclose_no_hole", {"names": names}))
+
+
+def _apart(first: str, second: str, gap: float, tolerance: float) -> Refusal:
+    """Of two surfaces whose edges do not meet."""
+    return Refusal.of(Message("edges_apart", {"first": first, "second": second, "gap": float(gap), "tolerance": tolerance}))
 
 
 def _loop_of_two(objects: Sequence[Sequence[Curve]], tolerance: float, least: float) -> tuple[float, Loop] | None:
@@ -528,11 +531,8 @@ def find_loop(objects: Sequence[Sequence[Curve]], tolerance: float, whole: bool 
     names = list(dict.fromkeys(curve.name for curve in curves))
     nearly = least(np.inf, lambda gaps, whole, _: max(g if w else 10 * g for g, w in zip(gaps, whole)), 1e-3 * size)
     if nearly is None or max(nearly[1].gaps) <= tolerance:
-        sided = "hole of two or three sides" if len(objects) == 2 else "three-sided hole"
-        raise Refusal(f"The edges of {', '.join(names[:-1])} and {names[-1]} enclose no {sided}")
+        of_two = len(objects) == 2
+        raise Refusal.of(Message("edges_enclose_no_lens" if of_two else "edges_enclose_no_triangle", {"names": names}))
     loop = nearly[1]
     k = int(np.argmax(loop.gaps))
-    raise Refusal(
-        f"The edges of {loop.curves[k].name} and {loop.curves[(k + 1) % 3].name} do not meet: their ends are "
-        f"{loop.gaps[k]:.3g} apart, the tolerance is {tolerance:.3g} (scene units)",
-    )
+    raise _apart(loop.curves[k].name, loop.curves[(k + 1) % 3].name, float(loop.gaps[k]), tolerance)

@@ -9,9 +9,8 @@ import numpy as np
 from . import _arrays, _native
 from ._types import Array
 from .errors import Refusal
+from .messages import Message
 from .options import checked
-
-_ADVICE = "Join them with join=DISTANCE (--join on the command line), or merge them by distance"
 
 
 class Holes:
@@ -136,13 +135,10 @@ class _Renumbered:
 
 def _refusal(loop: list[int], contact: Any) -> Refusal:
     on_others, _, a, b = contact
-    edge = f"as that between vertices {a} and {b}"
+    code = "slit_without_width"
     if on_others:
-        many = "All" if on_others == len(loop) else f"{on_others} of the {len(loop)}"
-        reason = f"{many} edges, {edge}, lie on other borders: faces meet there without being joined. {_ADVICE}"
-    else:
-        reason = f"The border is a slit without width: its edges, {edge}, lie on each other, but their ends do not (T-junctions)"
-    return Refusal(reason, loop)
+        code = "rim_on_borders" if on_others == len(loop) else "edges_on_borders"
+    return Refusal.of(Message(code, {"count": int(on_others), "edges": len(loop), "edge": [int(a), int(b)]}, loop))
 
 
 def passages(vertices: Array, offsets: Array, corners: Array, fills: list[Any], replaced: Any = ()) -> list[Any]:

@@ -14,6 +14,7 @@ from ._types import Array, ArrayLike, Faces
 from .errors import FillWarning, Refusal
 from .files.mesh_file import MeshFile
 from .filling import Fill, Fills, fill_all
+from .messages import Message
 from .options import takes_options
 
 
@@ -45,7 +46,7 @@ class HolesReport:
         return [each for each in self.results if isinstance(each, Refusal)]
 
     @property
-    def warnings(self) -> list[str]:
+    def warnings(self) -> list[Message]:
         """The warnings of all fills."""
         return [each for fill in self.fills for each in fill.report.warnings]
 
@@ -54,7 +55,8 @@ class HolesReport:
 
         def plain(each: Fill | Refusal) -> dict[str, Any]:
             if isinstance(each, Refusal):
-                return {"refused": each.reason, "where": each.where}
+                codes = [said.code for said in each.messages]
+                return {"refused": each.reason, "codes": codes, "where": each.where}
             added = {"rim": each.rim.tolist(), "new_vertices": len(each.vertices), "new_faces": len(each.faces)}
             return {**added, **each.report.as_dict()}
 
@@ -181,7 +183,7 @@ def fill_holes(
         if report.refusals and not report.fills:
             raise report.refusals[0]
         for refusal in report.refusals:
-            warnings.warn(FillWarning(f"A hole was not filled: {refusal.reason}"), stacklevel=2)
+            warnings.warn(FillWarning(Message("hole_not_filled", {"reason": refusal.messages[0]}, refusal.where)), stacklevel=2)
         for said in report.warnings:
             warnings.warn(FillWarning(said), stacklevel=2)
     made = trimeshes.filled(mesh, welded, report.fills) if welded else _filled(mesh, vertices, own, report, faces is not None)

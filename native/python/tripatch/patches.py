@@ -13,6 +13,7 @@ from . import _arrays, _native, words
 from ._native import BezierTriangle, Patch, Report, Side, SzilvasiNagyPatch
 from ._types import Array, ArrayLike
 from .errors import FillWarning
+from .messages import Message
 from .options import OPTIONS, checked, choice, names, takes_options, whole
 from .pickling import remade
 from .surfaces import surface_of, triangle_on
@@ -45,7 +46,7 @@ def _closed(sides: Sequence[Side], tolerance: float) -> tuple[Side, ...]:
     largest = 0.5 * np.linalg.norm(gaps, axis=1).max()
     if largest <= _ROUNDING * np.ptp(starts, axis=0).max():
         return tuple(sides)
-    warnings.warn(FillWarning(f"The ends of the sides were moved together, by {largest:.2g} at most"), stacklevel=3)
+    warnings.warn(FillWarning(Message("ends_moved", {"gap": float(largest)})), stacklevel=3)
     moves = zip(sides, np.roll(-0.5 * gaps, 1, axis=0), 0.5 * gaps)
     return tuple(side._moved(before.tolist(), after.tolist()) for side, before, after in moves)
 
@@ -366,7 +367,8 @@ def _part(self: Side, start: float, end: float) -> Side:
 def _as_dict(self: Report) -> dict[str, Any]:
     """The report as plain values, ready for JSON."""
     values = {name: getattr(self, name) for name, member in vars(Report).items() if isinstance(member, property)}
-    return {**values, "candidates": [each._asdict() for each in self.candidates]}
+    told = {"candidates": [each._asdict() for each in self.candidates], "codes": [each.code for each in values["warnings"]]}
+    return {**values, **told}
 
 
 def _patch_repr(self: Patch) -> str:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 
 from ._native import Report
 from .candidates import Candidate
 from .errors import Refusal
+from .messages import Message
 
 
 def counted(number: int, word: str) -> str:
@@ -132,23 +132,17 @@ def place(where: Sequence[float]) -> str:
     return f"({', '.join(f'{x:.4g}' for x in where)})"
 
 
-def _vertices(where: Sequence[int]) -> str:
-    """'vertex 4', or 'vertices 4, 19'; the first few of many."""
-    names = ", ".join(map(str, where[:8])) + ", ..." * (len(where) > 8)
-    return f"{'vertex' if len(where) == 1 else 'vertices'} {names}"
-
-
 def refused(refusal: Refusal) -> str:
-    """The reason, with the vertices concerned where it does not name them itself."""
-    where = list(refusal.where)
-    if not where or re.search(r"vert(ex|ices) \d", refusal.reason):
-        return refusal.reason
-    return f"{refusal.reason} ({_vertices(where)})"
+    """The reason, with the vertices concerned if it does not name them itself: a `Message` if it has a code."""
+    said = refusal.said
+    if not refusal.where or (isinstance(said, Message) and said.names_vertices):
+        return said
+    return Message("at_vertices", {"reason": said}, refusal.where)
 
 
 def gathered(told: Sequence[tuple[int, Sequence[str]]]) -> list[str]:
-    """What is said of holes, of several ones each sentence once, with those that it is said of: 'Hole through vertex 4: ...',
-    '2 holes, through vertices 4, 19: ...'.
+    """What is said of holes, of several ones each sentence once, with those that it is said of: 'Hole at vertex 4: ...',
+    '2 holes at vertices 4 and 19: ...'.
 
     Args:
         told: of each hole a vertex of its rim, and sentences; of one that is not filled none.
@@ -159,8 +153,4 @@ def gathered(told: Sequence[tuple[int, Sequence[str]]]) -> list[str]:
             holes.setdefault(sentence, []).append(vertex)
     if len(told) < 2:
         return list(holes)
-
-    def named(where: list[int]) -> str:
-        return f"{'Hole' if len(where) == 1 else f'{len(where)} holes,'} through {_vertices(where)}"
-
-    return [f"{named(where)}: {sentence}" for sentence, where in holes.items()]
+    return [Message("of_holes", {"count": len(where), "reason": said}, where) for said, where in holes.items()]

@@ -8,6 +8,7 @@
 #include "tripatch/annulus/match.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/messages.h"
 #include "tripatch/polygon/round.h"
 
 namespace tripatch {
@@ -155,12 +156,10 @@ double AnnulusPatch::u_of_second(double t) const {
 
 AnnulusPatch annulus_patch(const Side& first, const Side& second, const AnnulusOptions& options) {
   for (const Side* side : {&first, &second})
-    if (!((side->c(1) - side->c(0)).norm() <= sides_meet * arc_length(side->c)))
-      throw Refusal("The boundaries of a ring are closed: the end of each must be its beginning");
+    if (!((side->c(1) - side->c(0)).norm() <= sides_meet * arc_length(side->c))) throw CodedRefusal(Code::ring_boundary_open);
   for (int i = 0; i < 2; ++i)
     if (options.continuity[i] == SideContinuity::g2 && (i == 0 ? first : second).q.empty())
-      throw Refusal("The curvature of the surroundings along boundary " + std::to_string(i) +
-                    " is not known: G2 cannot be met there");
+      throw CodedRefusal(Code::curvature_unknown, {{"side", i}});
   AnnulusPatch made;
   const RibDirections out_of_first(first), out_of_second(second);
   made.match = match_boundaries(first, second, out_of_first, out_of_second);
@@ -170,10 +169,7 @@ AnnulusPatch annulus_patch(const Side& first, const Side& second, const AnnulusO
   };
   made.patch = std::make_shared<AnnulusSurface>(PiecewisePolynomial::fit(ribs, rib_numbers, rib_tolerance), inner_radius(maker));
   for (int i = 0; i < 2; ++i)
-    made.continuity[i] = options.continuity[i] == SideContinuity::g2     ? "G2"
-                         : options.continuity[i] == SideContinuity::g0   ? "G0"
-                         : options.continuity[i] == SideContinuity::free ? "Free"
-                                                                         : "G1";
+    made.continuity[i] = kept_by(options.continuity[i]);
   measure_patch(maker, made);
   return made;
 }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "tripatch/messages.h"
+
 namespace tripatch {
 namespace {
 
@@ -121,8 +123,7 @@ PiecewisePolynomial match_boundaries(const Side& first, const Side& second, cons
                                      const RibDirections& out_of_second) {
   Matching matching(first, second, out_of_first, out_of_second);
   const auto [begin, squares] = matching.shortest(true);
-  if (matching.shortest(false).second < squares / 2)
-    throw Refusal("The faces at the two boundaries face opposite ways: make their normals agree (Recalculate Outside)");
+  if (matching.shortest(false).second < squares / 2) throw CodedRefusal(Code::boundaries_face_opposite_ways);
   matching.scale_by(squares);
   Eigen::VectorXd shift = Eigen::VectorXd::Constant(match_samples, static_cast<double>(begin) / match_samples);
   double value = matching.value(shift), damping = 1e-3;

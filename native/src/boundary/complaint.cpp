@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tripatch/mesh/submesh.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -50,29 +51,25 @@ bool Complaint::takes_error(const char* message) {
 
 bool Complaint::takes_warning() { return innermost != nullptr; }
 
-Refusal not_subdivided(const std::string& what, const FacesRef& faces, std::span<const Index> some, const Complaint& complaint) {
-  const std::string cannot = what + " cannot be subdivided: ",
-                    too_many = "; subdivision takes " + std::to_string(most) + " at most";
+CodedRefusal not_subdivided(Subdivided what, const FacesRef& faces, std::span<const Index> some, const Complaint& complaint) {
+  const char* const name = what == Subdivided::cage ? "cage" : "mesh";
   const Submesh part = submesh(faces, std::numeric_limits<Index>::max(), {some.begin(), some.end()});
   const std::vector<Index>& vertices = part.vertex.items();
   for (Index f : part.face) {
     const Index size = static_cast<Index>(faces[f].size());
-    if (size > most)
-      return {cannot + "a face at vertex " + std::to_string(faces[f][0]) + " has " + std::to_string(size) + " corners" + too_many,
-              {faces[f][0]}};
+    if (size > most) return {Code::face_has_many_corners, {{"what", name}, {"corners", size}, {"most", most}}, {faces[f][0]}};
   }
   for (std::size_t v = 0; v < vertices.size(); ++v) {
     const Index count = static_cast<Index>(part.faces_at(static_cast<int>(v)).size());
-    if (count > most)
-      return {cannot + std::to_string(count) + " faces meet at vertex " + std::to_string(vertices[v]) + too_many, {vertices[v]}};
+    if (count > most) return {Code::many_faces_at_vertex, {{"what", name}, {"faces", count}, {"most", most}}, {vertices[v]}};
   }
   for (Index f : part.face) {
     std::vector<Index> face(faces[f].begin(), faces[f].end());
     std::sort(face.begin(), face.end());
     const auto twice = std::adjacent_find(face.begin(), face.end());
-    if (twice != face.end()) return {cannot + "a face passes vertex " + std::to_string(*twice) + " twice", {*twice}};
+    if (twice != face.end()) return {Code::face_passes_twice, {{"what", name}}, {*twice}};
   }
-  return {cannot + "OpenSubdiv says of it: " + complaint.text(), vertices};
+  return {Code::not_subdivided, {{"what", name}, {"reason", complaint.text()}}, vertices};
 }
 
 }  // namespace tripatch

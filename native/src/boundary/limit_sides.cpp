@@ -7,6 +7,7 @@
 
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -25,7 +26,7 @@ struct FaceEdge {
 /// The surrounding face at a rim edge a -> b (new faces' direction), which holds b -> a.
 FaceEdge face_beside(const Connectivity& around, Index a, Index b) {
   const std::optional<Connectivity::Corner> corner = around.edge(b, a);
-  if (!corner) throw Refusal("A rim edge has no face beside it", {a, b});
+  if (!corner) throw CodedRefusal(Code::no_face_at_edge, {a, b});
   return {around.face(*corner), static_cast<int>(around.place(*corner))};
 }
 
@@ -65,17 +66,14 @@ void refined_sides(const Mesh& cage, const Connectivity& whole, const Hole& hole
   result.surroundings_error = estimated.surroundings_error;
   result.border.resize(static_cast<Index>(fine.rim.size()), 3);
   for (std::size_t k = 0; k < fine.rim.size(); ++k) result.border.row(static_cast<Index>(k)) = refined.vertices.row(fine.rim[k]);
-  result.warnings.emplace_back("The modifier does not use the limit surface: the slopes are those of its points, estimated");
+  result.warnings.push_back({Code::limit_not_used});
 }
 
 /// Where an interior vertex has only two edges, both derivatives of the limit vanish: no side can start or end there.
 void check_ends(const Side& side, const std::vector<Index>& along) {
   const double length = (side.c(0.5) - side.c(0)).norm() + (side.c(1) - side.c(0.5)).norm();
   for (const auto& [t, v] : {std::pair(0.0, along.front()), std::pair(1.0, along.back())})
-    if (side.c.derivative_at(t).norm() < flat * length)
-      throw Refusal("The limit surface has no tangent plane at corner vertex " + std::to_string(v) +
-                        ", where the closed cage has only two edges; choose other corners",
-                    {v});
+    if (side.c.derivative_at(t).norm() < flat * length) throw CodedRefusal(Code::corner_lacks_planes, {v});
 }
 
 }  // namespace
@@ -149,8 +147,7 @@ LimitSides limit_sides(const Mesh& cage, const Connectivity& whole, const Connec
       const double t = static_cast<double>(e) / edges;
       // exactly at the break the piece behind it counts
       if (degrees_between(c.derivative_at(t - beside_break), c.derivative_at(t + beside_break)) > kink)
-        result.warnings.push_back("The limit rim has a kink inside side " + std::to_string(i) + " at vertex " +
-                                  std::to_string(rim[e]));
+        result.warnings.push_back({Code::limit_rim_kink, {{"side", i}}, {rim[e]}});
     }
   }
   std::vector<Vec3> border;

@@ -18,6 +18,7 @@
 
 #include "tripatch/boundary/complaint.h"
 #include "tripatch/mesh/submesh.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -60,17 +61,17 @@ public:
   LocalCage(const Mesh& cage, const Subdivision& settings, std::vector<Index> some)
       : part(submesh(cage.faces, cage.vertices.rows(), std::move(some))) {
     check_vertices(settings, cage.vertices.rows());
-    if (part.face.empty()) throw Refusal("The cage has no faces around the hole");
+    if (part.face.empty()) throw CodedRefusal(Code::cage_without_faces);
     for (Index f : part.face) {
       if (settings.loop && cage.faces[f].size() != 3)
-        throw Refusal("Loop subdivision takes triangles only; a face at vertex " + std::to_string(cage.faces[f][0]) + " has " +
-                          std::to_string(cage.faces[f].size()) + " corners",
-                      {cage.faces[f].begin(), cage.faces[f].end()});  // by vertices: the faces of a closed cage are others
+        throw CodedRefusal(Code::loop_needs_triangles,
+                           {{"near", std::vector<Index>{cage.faces[f][0]}}, {"corners", cage.faces[f].size()}},
+                           {cage.faces[f].begin(), cage.faces[f].end()});  // by vertices: the faces of a closed cage are others
       local_face.add(f);
       sizes.push_back(static_cast<int>(cage.faces[f].size()));
     }
     for (Index v : vertex_of()) {
-      if (!cage.vertices.row(v).allFinite()) throw Refusal("Vertex " + std::to_string(v) + " is not finite", {v});
+      if (!cage.vertices.row(v).allFinite()) throw CodedRefusal(Code::vertex_not_finite, {v});
       vertices.push_back({cage.vertices.row(v)});
     }
     describe(cage.faces, settings);
@@ -150,7 +151,7 @@ private:
     factory.validateFullTopology = true;
     const Complaint complaint;
     refiner.reset(Factory::Create(topology, factory));
-    if (!refiner) throw not_subdivided("The cage", faces, part.face, complaint);
+    if (!refiner) throw not_subdivided(Subdivided::cage, faces, part.face, complaint);
   }
 
   /// Blender's own: a border corner of one face whose two edges are creased is sharpened by the lesser of the two; a vertex on a
@@ -227,7 +228,7 @@ struct LimitSurface::Impl {
   /// Derivatives with respect to the ptex face's own u, v.
   LimitJet at(int ptex_face, double u, double v) const {
     const far::PatchTable::PatchHandle* handle = map->FindPatch(ptex_face, u, v);
-    if (!handle) throw Refusal("The cage has a face without a limit surface");
+    if (!handle) throw CodedRefusal(Code::face_without_limit);
     std::array<double, 20> w, wu, wv, wuu, wuv, wvv;
     table->EvaluateBasis(*handle, u, v, w.data(), wu.data(), wv.data(), wuu.data(), wuv.data(), wvv.data());
     const far::ConstIndexArray cvs = table->GetPatchVertices(*handle);
@@ -273,7 +274,7 @@ struct LimitSurface::Impl {
     for (std::size_t n = 0; n < places.size(); ++n) {
       const int face = ptex_face + (quarters ? places[n].quarter : 0);
       const far::PatchTable::PatchHandle* handle = map->FindPatch(face, places[n].u, places[n].v);
-      if (!handle) throw Refusal("The cage has a face without a limit surface");
+      if (!handle) throw CodedRefusal(Code::face_without_limit);
       table->EvaluateBasis(*handle, places[n].u, places[n].v, w.data(), wu.data(), wv.data());
       const far::ConstIndexArray cvs = table->GetPatchVertices(*handle);
       for (int k = 0; k < cvs.size(); ++k) {
@@ -337,7 +338,7 @@ struct LimitSurface::Impl {
 
   void on_edge_true(int local, int edge, std::span<const double> t, std::span<LimitJet> out) const {
     const std::unique_ptr<bfr::Surface<double>> surface(factory->CreateVertexSurface<double>(local));
-    if (!surface || !surface->IsValid()) throw Refusal("The cage has a face without a limit surface");
+    if (!surface || !surface->IsValid()) throw CodedRefusal(Code::face_without_limit);
     std::vector<double> patch(3 * surface->GetNumPatchPoints());
     surface->PreparePatchPoints(cage.vertices[0].position.data(), {3, sizeof(Vertex) / sizeof(double)}, patch.data(), 3);
     const bfr::Parameterization parameterization = surface->GetParameterization();

@@ -18,6 +18,7 @@
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/smoothstep.h"
 #include "tripatch/math/ties.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -74,7 +75,7 @@ std::array<SideDraft, 3> drafts_of(const LocalMesh& w, const Mesh& mesh, const H
       for (int e = std::max(k - 2, 0); e < std::min(k + 2, edges); ++e) sum += face[e];
       sum -= side.tangent[k] * side.tangent[k].dot(sum);
       const Index v = w.vertex(side.vertex[k]);
-      if (!(sum.norm() > 0)) throw Refusal("The faces beside vertex " + std::to_string(v) + " have no area", {v});
+      if (!(sum.norm() > 0)) throw CodedRefusal(Code::faces_at_vertex_without_area, {v});
       side.guess.push_back(sum.normalized());
       side.faces.push_back(side.guess.back());
     }

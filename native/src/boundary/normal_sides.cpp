@@ -6,6 +6,8 @@
 #include <limits>
 #include <string>
 
+#include "tripatch/messages.h"
+
 namespace tripatch {
 namespace {
 
@@ -57,34 +59,33 @@ bool before(const Vec3& a, const Vec3& b) { return std::lexicographical_compare(
 constexpr double along_normal = 1e-6;
 
 Vec3 unit_normal(const Vec3& n, Index vertex) {
-  if (!n.allFinite()) throw Refusal("The normal is not finite", {vertex});
-  if (!(n.stableNorm() >= std::numeric_limits<double>::min())) throw Refusal("The normal is zero", {vertex});
+  if (!n.allFinite()) throw CodedRefusal(Code::normal_not_finite, {vertex});
+  if (!(n.stableNorm() >= std::numeric_limits<double>::min())) throw CodedRefusal(Code::normal_zero, {vertex});
   return n.stableNormalized();
 }
 
 }  // namespace
 
 Side side_from_normals(const Vec3& p, const Vec3& normal_p, const Vec3& q, const Vec3& normal_q, NormalCurve curve) {
-  if (!p.allFinite()) throw Refusal("The position is not finite", {0});
-  if (!q.allFinite()) throw Refusal("The position is not finite", {1});
+  if (!p.allFinite()) throw CodedRefusal(Code::position_not_finite, {0});
+  if (!q.allFinite()) throw CodedRefusal(Code::position_not_finite, {1});
   if (before(q, p)) {  // one direction for both triangles, so that they get the same bits
     try {
       const Side other = side_from_normals(q, normal_q, p, normal_p, curve);
       return {other.c.reversed(), -1.0 * other.r.reversed(), {}};
-    } catch (const Refusal& refusal) {
-      std::vector<Index> where = refusal.where();
-      for (Index& w : where) w = 1 - w;
-      std::sort(where.begin(), where.end());
-      throw Refusal(refusal.what(), where);
+    } catch (const CodedRefusal& refusal) {
+      Message message = with_vertices(refusal.message(), [](Index w) { return 1 - w; });
+      std::sort(message.where.begin(), message.where.end());
+      throw CodedRefusal(std::move(message));
     }
   }
   const Vec3 np = unit_normal(normal_p, 0), nq = unit_normal(normal_q, 1);
   const Vec3 d = q - p;
   const double length = d.norm();
-  if (!(length > 0)) throw Refusal("The edge has no length", {0, 1});
+  if (!(length > 0)) throw CodedRefusal(Code::edge_without_length, {0, 1});
   const Vec3 to_p = d - np.dot(d) * np, to_q = d - nq.dot(d) * nq;  // the chord in the vertices' planes
-  if (!(to_p.norm() > along_normal * length)) throw Refusal("The normal points along the edge", {0});
-  if (!(to_q.norm() > along_normal * length)) throw Refusal("The normal points along the edge", {1});
+  if (!(to_p.norm() > along_normal * length)) throw CodedRefusal(Code::normal_along_edge, {0});
+  if (!(to_q.norm() > along_normal * length)) throw CodedRefusal(Code::normal_along_edge, {1});
   const Vec3 mean = 0.5 * (np + nq), difference = nq - np;
 
   Side side;
@@ -105,8 +106,7 @@ Side side_from_normals(const Vec3& p, const Vec3& normal_p, const Vec3& q, const
                         difference);
   }
   for (int k = 0; k <= 8; ++k)  // a normal field everywhere: neither opposite normals nor a curve that stands still
-    if (!(side.r(k / 8.0).norm() > along_normal * length))
-      throw Refusal("The normals do not fit together along the edge", {0, 1});
+    if (!(side.r(k / 8.0).norm() > along_normal * length)) throw CodedRefusal(Code::normals_disagree, {0, 1});
   return side;
 }
 
@@ -116,14 +116,8 @@ Sides sides_from_normals(const std::array<Vec3, 3>& points, const std::array<Vec
     const int a = (i + 1) % 3, b = (i + 2) % 3;
     try {
       sides[i] = side_from_normals(points[a], normals[a], points[b], normals[b], curve);
-    } catch (const Refusal& refusal) {
-      std::vector<Index> where;
-      std::string at;
-      for (Index w : refusal.where()) {
-        where.push_back(w == 0 ? a : b);
-        at += (at.empty() ? " (corner " : ", corner ") + std::to_string(where.back());
-      }
-      throw Refusal(refusal.what() + at + ")", where);
+    } catch (const CodedRefusal& refusal) {
+      throw CodedRefusal(with_vertices(refusal.message(), [a = a, b = b](Index w) -> Index { return w == 0 ? a : b; }));
     }
   }
   return sides;

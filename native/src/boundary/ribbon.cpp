@@ -9,6 +9,7 @@
 #include "tripatch/math/linear.h"
 #include "tripatch/math/smoothstep.h"
 #include "tripatch/math/ties.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -146,9 +147,7 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
       ribbon.beta = PiecewisePolynomial::linear(0, 0);
     } else if (options.cross_boundary == CrossBoundary::as_printed) {
       const double a = printed_alpha(r0, c0, tau0), b = printed_alpha(r1, c1, tau1);
-      if (!std::isfinite(a) || !std::isfinite(b))
-        throw Refusal("The printed slopes need a side and its surroundings that are not parallel at the corners: side " +
-                      std::to_string(i));
+      if (!std::isfinite(a) || !std::isfinite(b)) throw CodedRefusal(Code::printed_slopes_parallel, {{"side", i}});
       ribbon.alpha = PiecewisePolynomial::linear(a, b);
       ribbon.beta = printed_beta(side, ribbon.alpha);
     } else {
@@ -172,8 +171,7 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
         ribbon.beta = PiecewisePolynomial::linear(b0, b1) + bump * (ribbon.beta - PiecewisePolynomial::linear(b0, b1));
       }
     }
-    if (options.tangent[i] && no_planes(side))
-      throw Refusal("Side " + std::to_string(i) + " has no tangent planes: its surroundings are flat to a line along it");
+    if (options.tangent[i] && no_planes(side)) throw CodedRefusal(Code::side_without_planes, {{"side", i}});
     if (options.tangent[i]) {
       ribbon.d = ribbon.alpha * side.r + ribbon.beta * side.c.derivative();
     } else {  // linear between the corners' own derivatives, kept open at smooth corners
@@ -181,7 +179,7 @@ Boundary make_boundary(const Sides& given, const RibbonOptions& options) {
       const std::array<double, 6> net = {d0[0], d0[1], d0[2], d1[0], d1[1], d1[2]};
       ribbon.d = PiecewisePolynomial::bezier(net, 3);
     }
-    if (!ribbon.c.is_finite() || !ribbon.d.is_finite()) throw Refusal(beyond_measure);
+    if (!ribbon.c.is_finite() || !ribbon.d.is_finite()) throw CodedRefusal(Code::numbers_overflow);
   }
   return boundary;
 }

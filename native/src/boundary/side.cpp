@@ -6,6 +6,8 @@
 #include <sstream>
 #include <string>
 
+#include "tripatch/messages.h"
+
 namespace tripatch {
 namespace {
 
@@ -128,12 +130,12 @@ double check_curves(const std::array<PiecewisePolynomial, 3>& curves) {
     size = std::max(size, (b - a).norm());
     for (double t : {0.25, 0.5, 0.75}) size = std::max({size, (c(t) - a).norm(), (c(t) - b).norm()});
   }
-  if (!(size > 0)) throw Refusal("The three sides have no length");
-  if (!std::isfinite(size)) throw Refusal(beyond_measure);
+  if (!(size > 0)) throw CodedRefusal(Code::sides_without_length);
+  if (!std::isfinite(size)) throw CodedRefusal(Code::numbers_overflow);
   for (int i = 0; i < 3; ++i) {
     const double gap = (curves[i](1) - curves[(i + 1) % 3](0)).norm();
     if (!(gap <= sides_meet * size))
-      throw Refusal("Sides " + std::to_string(i) + " and " + std::to_string((i + 1) % 3) + " " + gap_at_corner((i + 2) % 3, gap));
+      throw CodedRefusal(Code::sides_apart, {{"first", i}, {"second", (i + 1) % 3}, {"corner", (i + 2) % 3}, {"gap", gap}});
   }
   return size;
 }

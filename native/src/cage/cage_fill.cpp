@@ -7,6 +7,7 @@
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/interruption.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -72,7 +73,7 @@ CageFill::CageFill(const Mesh& mesh, const Connectivity& left, std::vector<Sided
     throw InvalidArgument("a cage of triangles follows the rim: resolution must be 0 or none");
   if (settings.loop)
     for (const SidedRim& hole : holes_)
-      if (!hole.is_triangle()) throw Refusal("Cages of triangles (Loop's scheme) are made between three corners");
+      if (!hole.is_triangle()) throw CodedRefusal(Code::loop_cage_needs_three_corners);
   for (const SidedRim& hole : holes_)
     domains_.push_back(hole.is_triangle() ? PolygonDomain() : cage_domain(hole, mesh_.vertices, left_));
   for (const SidedRim& hole : split_.holes)
@@ -120,10 +121,9 @@ std::unique_ptr<CageFit> CageFill::lay_out(int rows) {
   }
   try {
     return std::make_unique<CageFit>(split_.mesh(), laid_out_, split_.settings, replaced_, options_);
-  } catch (const Refusal& refusal) {  // of the closed cage, which has vertices that the mesh has not
-    std::vector<Index> where = refusal.where();
-    std::erase_if(where, [&](Index v) { return v >= mesh_.vertices.rows(); });
-    throw Refusal(refusal.what(), std::move(where));
+  } catch (const CodedRefusal& refusal) {  // of the closed cage, which has vertices that the mesh has not
+    const auto own = [&](Index v) { return v < mesh_.vertices.rows() ? v : -1; };
+    throw CodedRefusal(with_vertices(refusal.message(), own));
   }
 }
 
@@ -281,22 +281,18 @@ void CageFill::report(std::size_t h, const Surface& patch, Report& report) {
   report.triangles_folded = against.triangles_folded;
   report.crosses_itself = against.crossing.has_value();
   if (against.crossing)
-    tell_crossing(mesh_.vertices, holes_[h].rim, *against.crossing, report);
+    tell_crossing(mesh_.vertices, holes_[h].rim, *against.crossing, report, Code::crosses_itself);
   else if (against.faces_crossing)
-    tell_crossing(mesh_.vertices, holes_[h].rim, *against.faces_crossing, report,
-                  "The limit surface does not cross itself, but faces of the cage cross each other");
-  if (report.triangles_folded == 0 && against.faces_turned)
-    report.warnings.emplace_back("The limit surface does not fold, but a corner of a face of the cage turns back");
+    tell_crossing(mesh_.vertices, holes_[h].rim, *against.faces_crossing, report, Code::cage_faces_cross);
+  if (report.triangles_folded == 0 && against.faces_turned) report.warnings.push_back({Code::cage_corner_turns_back});
   report.rows = rows_;
   report_seam(measures, laid_out_[h].hole, report);
   report_poles(h, report);
   for (Index v : holes_[h].rim)
-    if (border_edges_at(left_, v) > 2)
-      report.warnings.push_back("Another border touches the rim at vertex " + std::to_string(v) +
-                                ": the limit surface is sharp there");
+    if (border_edges_at(left_, v) > 2) report.warnings.push_back({Code::border_touches_rim, {}, {v}});
   if (layout_options_.rows || split_.settings.loop || !open_[h]) return;
-  if (!cross_) report.warnings.push_back(too_few_rows);
-  if (cross_ && layout_options_.tolerance) report.warnings.push_back(crossing_rows);
+  if (!cross_) report.warnings.push_back({Code::tolerance_out_of_reach});
+  if (cross_ && layout_options_.tolerance) report.warnings.push_back({Code::rows_would_cross});
 }
 
 void CageFill::report_energies(std::size_t h, Report& report) const {
@@ -314,8 +310,8 @@ void CageFill::report_poles(std::size_t h, Report& report) const {
     const Index valence = std::count(layout.faces.corners.begin(), layout.faces.corners.end(), pole);
     report.poles.push_back({index[pole], valence});
     if (valence > ordinary)
-      report.warnings.push_back("Pole of valence " + std::to_string(valence) + " at new vertex " +
-                                std::to_string(index[pole] - mesh_.vertices.rows()));
+      report.warnings.push_back(
+          {Code::high_valence_pole, {{"valence", valence}, {"new_vertex", index[pole] - mesh_.vertices.rows()}}});
   }
 }
 

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "tripatch/mesh/submesh.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 
@@ -47,9 +48,7 @@ ClosedCage close_holes(const Mesh& mesh, const std::vector<CageHole>& holes, con
   }
   for (std::size_t k = 0; k < holes.size(); ++k)
     if (!cage.vertices.middleRows(cage.first_vertex[k], cage.first_vertex[k + 1] - cage.first_vertex[k]).allFinite())
-      throw Refusal(
-          "Coordinates around the hole are too large or too small to compute with; move what lies far away, or scale the mesh",
-          {holes[k].hole.rim[0]});
+      throw CodedRefusal(Code::coordinates_out_of_range, {holes[k].hole.rim[0]});
   return cage;
 }
 

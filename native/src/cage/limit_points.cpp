@@ -53,7 +53,7 @@ std::unique_ptr<far::TopologyRefiner> refiner_of(const Mesh& mesh) {
   if (!refiner) {
     std::vector<Index> all(mesh.faces.size());
     std::iota(all.begin(), all.end(), Index{0});
-    throw not_subdivided("The mesh", mesh.faces, all, complaint);
+    throw not_subdivided(Subdivided::mesh, mesh.faces, all, complaint);
   }
   return refiner;
 }

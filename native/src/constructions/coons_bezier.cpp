@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "tripatch/math/linear.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -125,7 +126,7 @@ Points coons_net(const BoundaryCurves& boundary, int shift) {
   return net;
 }
 
-BezierTriangle solve_mask(const BoundaryCurves& boundary, CoonsKind kind, double alpha, std::vector<std::string>* warnings) {
+BezierTriangle solve_mask(const BoundaryCurves& boundary, CoonsKind kind, double alpha, Messages* warnings) {
   const int n = static_cast<int>(boundary[0].rows()) - 1;
   Points net = coons_net(boundary, 0);
   const Split points = split(n);
@@ -137,16 +138,12 @@ BezierTriangle solve_mask(const BoundaryCurves& boundary, CoonsKind kind, double
   const Points right = -Points(equations * net);
   const auto [correction, rank_found] = minimum_norm_least_squares(inside, right, singular_pivot);
   if (rank_found < inside.cols()) {
-    const std::string name =
-        kind == CoonsKind::mask ? "The mask's system of degree " + std::to_string(n)
-                                : "The permanence system of degree " + std::to_string(n) + " with alpha " + std::to_string(alpha);
-    const std::string rank = " is singular (rank " + std::to_string(rank_found) + " of " + std::to_string(inside.cols()) + ")";
+    Parameters parameters = {{"degree", n}, {"rank", rank_found}, {"unknowns", inside.cols()}};
+    if (kind != CoonsKind::mask) parameters.push_back({"alpha", alpha});
     const double left = (Points(inside * correction) - right).cwiseAbs().maxCoeff();
     const double size = (net.rowwise() - net.row(0)).cwiseAbs().maxCoeff();
-    if (left > precision * size)
-      throw Refusal(name + rank + " and has no solution for this boundary; take another degree" +
-                    (kind == CoonsKind::mask ? "" : " or alpha"));
-    if (warnings) warnings->push_back(name + rank + ": the net nearest to the Coons net was taken");
+    if (left > precision * size) throw CodedRefusal(Code::coons_without_solution, std::move(parameters));
+    if (warnings) warnings->push_back({Code::coons_singular, std::move(parameters)});
   }
   for (Index k = 0; k < correction.rows(); ++k) net.row(points.inside[k]) += correction.row(k);
   return BezierTriangle(std::move(net));
@@ -178,7 +175,6 @@ double fit_curve(const PiecewisePolynomial& c, const std::vector<double>& t, int
 }
 
 Points bezier_side(const Ribbon& ribbon, int i, double size) {
-  const std::string side = "Side " + std::to_string(i);
   Points curve;
   std::vector<double> t;
   const std::vector<double>& breaks = ribbon.c.breaks();
@@ -191,13 +187,12 @@ Points bezier_side(const Ribbon& ribbon, int i, double size) {
   for (int degree = 1; degree <= max_side_degree; ++degree)
     if (fit_curve(ribbon.c, t, degree, curve) <= rounding) return curve;
   const int degree = static_cast<int>(ribbon.rim.size()) - 1;
-  if (degree < 1) throw Refusal(side + " is not a Bezier curve of degree " + std::to_string(max_side_degree) + " or less");
+  if (degree < 1) throw CodedRefusal(Code::side_is_no_bezier_curve, {{"side", i}, {"degree", max_side_degree}});
   if (degree > max_side_degree)
-    throw Refusal(side + " has " + std::to_string(degree + 1) +
-                  " rim vertices: the Bezier methods take a curve of degree at most " + std::to_string(max_side_degree) +
-                  ", which passes through " + std::to_string(max_side_degree + 1));
+    throw CodedRefusal(Code::side_has_many_vertices,
+                       {{"side", i}, {"vertices", degree + 1}, {"degree", max_side_degree}, {"most", max_side_degree + 1}});
   if (!(fit_curve(ribbon.c, ribbon.rim, degree, curve) <= precision * size))
-    throw Refusal(side + ": no Bezier curve of degree " + std::to_string(degree) + " passes through its rim vertices");
+    throw CodedRefusal(Code::no_bezier_curve_through_rim, {{"side", i}, {"degree", degree}});
   return curve;
 }
 
@@ -279,8 +274,7 @@ Eigen::MatrixXd mask_equations(int degree, CoonsKind kind, double alpha) {
   return equations;
 }
 
-BezierTriangle coons_bezier(const BoundaryCurves& boundary, CoonsKind kind, std::optional<double> alpha,
-                            std::vector<std::string>* warnings) {
+BezierTriangle coons_bezier(const BoundaryCurves& boundary, CoonsKind kind, std::optional<double> alpha, Messages* warnings) {
   check(boundary);
   if (alpha && kind != CoonsKind::permanence) throw InvalidArgument("alpha belongs to the permanence patches only");
   if (alpha && !std::isfinite(*alpha)) throw InvalidArgument("alpha is not finite");
@@ -301,9 +295,7 @@ BezierTriangle coons_bezier(const BoundaryCurves& boundary, CoonsKind kind, std:
     for (Index k = 0; k < inside.rows(); ++k) net.row(e.points.inside[k]) = inside.row(k);
   }
   if (n > well_conditioned_degree && warnings)
-    warnings->push_back("The extremal of degree " + std::to_string(n) +
-                        " solves an ill-conditioned system: digits are lost above degree " +
-                        std::to_string(well_conditioned_degree));
+    warnings->push_back({Code::ill_conditioned, {{"degree", n}, {"most", well_conditioned_degree}}});
   return BezierTriangle(std::move(net));
 }
 
@@ -322,7 +314,7 @@ BoundaryCurves bezier_sides(const Boundary& boundary) {
   return curves;
 }
 
-SurfacePtr coons_fill(const Boundary& boundary, CoonsKind kind, std::optional<double> alpha, std::vector<std::string>* warnings) {
+SurfacePtr coons_fill(const Boundary& boundary, CoonsKind kind, std::optional<double> alpha, Messages* warnings) {
   BoundaryCurves curves = bezier_sides(boundary);
   if (kind == CoonsKind::mask && curves[0].rows() % 2 == 1)
     for (Points& curve : curves) curve = elevated_curve(curve);

@@ -6,6 +6,7 @@
 
 #include "tripatch/constructions/coons_bezier.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -56,9 +57,7 @@ BezierRectangle permanence_rectangle(const BezierRectangle& boundary, double alp
           }
         }
   const auto [inside, rank] = minimum_norm_least_squares(system, right, singular_pivot);
-  if (rank < unknowns)
-    throw Refusal("The permanence system of degrees " + std::to_string(m) + " and " + std::to_string(n) + " with alpha " +
-                  std::to_string(alpha) + " is singular; take another alpha");
+  if (rank < unknowns) throw CodedRefusal(Code::permanence_singular, {{"m", m}, {"n", n}, {"alpha", alpha}});
   Points net = boundary.net();
   for (int i = 1; i < m; ++i)
     for (int j = 1; j < n; ++j) net.row(boundary.row(i, j)) = inside.row(unknown(i, j));

@@ -14,6 +14,7 @@
 #include "tripatch/constructions/szilvasi_nagy.h"
 #include "tripatch/constructions/triangular_coons.h"
 #include "tripatch/fairing/fairing.h"
+#include "tripatch/messages.h"
 #include "tripatch/polygon/domain.h"
 
 namespace tripatch {
@@ -57,7 +58,7 @@ const std::vector<Method> all = {
      "Boolean sum of linear lofts between the curves",
      "Barnhill, Birkhoff and Gordon 1973; Szilvasi-Nagy and Szabo 2006",
      true,
-     "G0",
+     SeamContinuity::g0,
      {},
      from_curves<gordon_coons>,
      {}},
@@ -65,7 +66,7 @@ const std::vector<Method> all = {
      "Sums of the two curves at each corner, mixed linearly",
      "Nielson, Thomas and Wixom 1978",
      true,
-     "G0",
+     SeamContinuity::g0,
      {},
      from_curves<triangular_coons>,
      {}},
@@ -73,22 +74,22 @@ const std::vector<Method> all = {
      "Boolean sum of cubic lofts with slopes",
      "Barnhill, Birkhoff and Gordon 1973",
      true,
-     "G1",
+     SeamContinuity::g1,
      slopes,
      plain<barnhill_birkhoff_gordon>,
      {}},
     {"nielson_blend", "Three surfaces, one for each side, blended by the side weights", "Nielson 1979; Szilvasi-Nagy 2003", true,
-     "G1", slopes, [](const Boundary& boundary, const MethodOptions&) { return nielson_blend(boundary); },
+     SeamContinuity::g1, slopes, [](const Boundary& boundary, const MethodOptions&) { return nielson_blend(boundary); },
      [](const Surfaces& surfaces, const MethodOptions&) { return nielson_blend(surfaces); }},
     {"szilvasi_nagy_c0", "Coons-type blend of three surfaces with shape parameters, position",
-     "Szilvasi-Nagy and Szabo 2006, Definition 1", true, "G0", lambda,
+     "Szilvasi-Nagy and Szabo 2006, Definition 1", true, SeamContinuity::g0, lambda,
      [](const Boundary& boundary, const MethodOptions& options) { return szilvasi_nagy(hole_surfaces(boundary, 0), 0, options); },
      [](const Surfaces& surfaces, const MethodOptions& options) { return szilvasi_nagy(surfaces, 0, options); }},
     {"szilvasi_nagy_c1",
      "Coons-type blend of three surfaces with shape parameters, position and tangent plane",
      "Szilvasi-Nagy and Szabo 2006, Definition 2",
      true,
-     "G1",
+     SeamContinuity::g1,
      {"cross_boundary", "bulge", "shape", "reading"},
      [](const Boundary& boundary, const MethodOptions& options) { return szilvasi_nagy(hole_surfaces(boundary, 1), 1, options); },
      [](const Surfaces& surfaces, const MethodOptions& options) { return szilvasi_nagy(surfaces, 1, options); }},
@@ -96,7 +97,7 @@ const std::vector<Method> all = {
      "Three rays from the corners to the opposite sides, blended",
      "Nielson 1979; Hagen 1986",
      true,
-     "G1",
+     SeamContinuity::g1,
      slopes,
      [](const Boundary& boundary, const MethodOptions& options) {
        return options.to_be_faired ? curved_side_vertex(boundary) : side_vertex(boundary);
@@ -108,7 +109,7 @@ const std::vector<Method> all = {
      "A quintic fitted to the boundary, plus the side-vertex patch of what it misses",
      "Zhang, Ji and Yang 2005",
      true,
-     "G1",
+     SeamContinuity::g1,
      slopes,
      plain<quintic>,
      {}},
@@ -116,7 +117,7 @@ const std::vector<Method> all = {
      "Three interpolants to two sides each, blended, without twist constraints",
      "Gregory 1974",
      true,
-     "G1",
+     SeamContinuity::g1,
      slopes,
      plain<gregory>,
      {}},
@@ -124,7 +125,7 @@ const std::vector<Method> all = {
      "Discrete Coons net: a Bezier triangle that is the Coons patch of the three sides",
      "Arnal and Lluch, Definition 1",
      true,
-     "G0",
+     SeamContinuity::g0,
      {"alpha"},
      [](const Boundary& boundary, const MethodOptions& options) {
        return coons_fill(boundary, options.alpha ? CoonsKind::permanence : CoonsKind::discrete, options.alpha, options.warnings);
@@ -134,7 +135,7 @@ const std::vector<Method> all = {
      "Bezier triangle with the least integral of |x_uv|^2 between the three sides",
      "Arnal and Lluch, Propositions 2 and 3",
      true,
-     "G0",
+     SeamContinuity::g0,
      {"symmetric"},
      [](const Boundary& boundary, const MethodOptions& options) {
        return coons_fill(boundary, options.symmetric ? CoonsKind::extremal_symmetric : CoonsKind::extremal);
@@ -144,7 +145,7 @@ const std::vector<Method> all = {
      "Bezier triangle whose net satisfies the mask of the cubic extremals",
      "Arnal and Lluch, eq. 11",
      true,
-     "G0",
+     SeamContinuity::g0,
      {},
      [](const Boundary& boundary, const MethodOptions&) { return coons_fill(boundary, CoonsKind::mask); },
      {}},
@@ -152,7 +153,7 @@ const std::vector<Method> all = {
      "Between two to twelve sides: what neighboring sides give at their corner, blended over a polygon",
      "Charrot and Gregory 1984",
      true,
-     "G1",
+     SeamContinuity::g1,
      slopes,
      {},
      {},
@@ -162,7 +163,7 @@ const std::vector<Method> all = {
      "The surface of the surroundings as a Gaussian field over a plane, for any rim; knows how well it is known",
      "Duchon 1977; Wahba 1990",
      true,
-     "G1",
+     SeamContinuity::g1,
      {"bulge"},
      {},
      {},
@@ -172,7 +173,7 @@ const std::vector<Method> all = {
      "A ring between two boundaries, tangent to both: ribs as circular arcs",
      "Hermite ribs; motions after Pottmann and Randrup 1998",
      true,
-     "G1",
+     SeamContinuity::g1,
      {"bulge"},
      {},
      {},
@@ -182,7 +183,7 @@ const std::vector<Method> all = {
      "Rows of quads around a rectangular hole go on across it: their mixed differences are least",
      "Birkhoff and Gordon 1968",
      true,
-     "G1",
+     SeamContinuity::g1,
      {"bulge"},
      {},
      {},
@@ -195,17 +196,15 @@ const std::vector<Method> all = {
 std::span<const Method> methods() { return all; }
 
 Continuity resolve_continuity(const BySide<SideContinuity>& asked, const Method& method, const Sides& sides) {
-  const bool keeps_tangent = std::string(method.continuity) != "G0";
+  const bool keeps_tangent = method.continuity != SeamContinuity::g0;
   check_count(asked, 3, "continuity");
   Continuity result;
   for (int i = 0; i < 3; ++i) {
     const bool exact = asked[i] == SideContinuity::g2;
     if (!keeps_tangent && (exact || asked[i] == SideContinuity::g1))
-      throw Refusal(std::string("The method ") + method.name + " keeps " + method.continuity + " along the rim, not " +
-                    name_of(asked[i]));
-    if (exact && sides[i].q.empty())
-      throw Refusal("The curvature of the surroundings along side " + std::to_string(i) +
-                    " is not known: G2 cannot be met there");
+      throw CodedRefusal(Code::continuity_above_method,
+                         {{"method", method.name}, {"kept", name_of(method.continuity)}, {"asked", name_of(asked[i])}});
+    if (exact && sides[i].q.empty()) throw CodedRefusal(Code::curvature_unknown, {{"side", i}});
     result.free[i] = asked[i] == SideContinuity::free;
     result.tangent[i] = keeps_tangent && !result.free[i] && asked[i] != SideContinuity::g0;
     result.curvature[i] = exact;
@@ -214,9 +213,13 @@ Continuity resolve_continuity(const BySide<SideContinuity>& asked, const Method&
   return result;
 }
 
-std::array<std::string, 3> Continuity::names() const {
-  std::array<std::string, 3> out;
-  for (int i = 0; i < 3; ++i) out[i] = free[i] ? "Free" : curvature[i] ? "G2" : tangent[i] ? "G1" : "G0";
+std::array<SeamContinuity, 3> Continuity::kept() const {
+  std::array<SeamContinuity, 3> out;
+  for (int i = 0; i < 3; ++i)
+    out[i] = free[i]        ? SeamContinuity::free
+             : curvature[i] ? SeamContinuity::g2
+             : tangent[i]   ? SeamContinuity::g1
+                            : SeamContinuity::g0;
   return out;
 }
 

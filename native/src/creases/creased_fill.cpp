@@ -395,7 +395,7 @@ public:
       }
       out.surroundings_error = std::max(out.surroundings_error, fill.surroundings_error);
       out.rings = std::max(out.rings, fill.rings);
-      if (out.plainer.empty()) out.plainer = fill.plainer;
+      if (!out.plainer) out.plainer = fill.plainer;
       out.doubles_edges |= fill.doubles_edges;
     }
     for (const VertexLoop& curve : division_.curves())
@@ -565,7 +565,7 @@ std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivit
     const Mesh own{part.vertices, part.faces};
     fills.push_back(fill_over_plane(own, Connectivity(own), {part.loop}, part.options));
     if (!fills.back().surface || fills.back().doubles_edges) return {};
-    if (features.walls) fills.back().plainer.clear();  // a wall of which nothing is left is as flat as its rim
+    if (features.walls) fills.back().plainer.reset();  // a wall of which nothing is left is as flat as its rim
     parts.push_back(part);
   }
   if (!meet_inside(options.through, division, parts, fills)) return {};

@@ -10,6 +10,7 @@
 
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -39,7 +40,7 @@ void measure_rim(const Mesh& mesh, const std::vector<Index>& rim, LocalMesh& w) 
   Vec3 low = Vec3::Constant(INFINITY), high = -low;
   for (Index v : rim) {
     const Vec3 p = mesh.vertices.row(v);
-    if (!p.allFinite()) throw Refusal("Vertex " + name(v) + " of the rim has a coordinate that is not a finite number", {v});
+    if (!p.allFinite()) throw CodedRefusal(Code::vertex_not_finite, {v});
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
     w.origin += p / static_cast<double>(n);
@@ -48,8 +49,7 @@ void measure_rim(const Mesh& mesh, const std::vector<Index>& rim, LocalMesh& w) 
   for (std::size_t k = 0; k < n; ++k) {
     const Index a = rim[k], b = rim[(k + 1) % n];
     const double length = (mesh.vertices.row(a) - mesh.vertices.row(b)).norm();
-    if (!(length > no_length * (high - low).norm()))
-      throw Refusal("The rim edge between vertices " + name(a) + " and " + name(b) + " has no length", {a, b});
+    if (!(length > no_length * (high - low).norm())) throw CodedRefusal(Code::edge_without_length, {a, b});
     w.scale += length / static_cast<double>(n);
   }
 }
@@ -59,8 +59,7 @@ void take_out(const Mesh& mesh, const Connectivity& around, const std::vector<In
   const Rings rings = rings_around(around, rim, most_rings + 1);
   for (int ring = 0; ring <= most_rings; ++ring)
     for (Index v : rings.vertices[ring])
-      if (!mesh.vertices.row(v).allFinite())
-        throw Refusal("Vertex " + name(v) + " beside the hole has a coordinate that is not a finite number", {v});
+      if (!mesh.vertices.row(v).allFinite()) throw CodedRefusal(Code::vertex_not_finite, {v});
   w.part = submesh(mesh.faces, mesh.vertices.rows(), rings.all_faces(), rim);
   w.position.reserve(w.part.vertex.size());
   for (Index v : w.part.vertex.items()) w.position.push_back((Vec3(mesh.vertices.row(v)) - w.origin) / w.scale);
@@ -85,8 +84,7 @@ int face_beside(const LocalMesh& w, int a, int b) {
     for (std::size_t c = 0; c < face.size(); ++c)
       if (face[c] == b && face[(c + 1) % face.size()] == a) return f;
   }
-  throw Refusal("No face continues the rim edge between vertices " + name(w.vertex(a)) + " and " + name(w.vertex(b)),
-                {w.vertex(a), w.vertex(b)});
+  throw CodedRefusal(Code::no_face_at_edge, {w.vertex(a), w.vertex(b)});
 }
 
 /// True for a vertex that was put on an edge between a and b and left there: straight between them, in faces that would be those of

@@ -11,6 +11,7 @@
 #include "tripatch/fairing/fairing_problem.h"
 #include "tripatch/fairing/fold_removal.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -44,7 +45,7 @@ public:
       if (now.result.folds.value_or(0) == 0) return now.result;
       if (!best.result.folds) best.result.folds = (*folds_)(*start_);  // counted only when needed
       if (without_folds(now) ? now.result.after <= now.result.before : *now.result.folds <= *best.result.folds) return now.result;
-      best.result.warnings = {"The fairest patch would fold over itself; a less fair one is used"};
+      best.result.warnings = {{Code::fairest_folds}};
     }
     without_folds(best);
     return best.result;
@@ -118,8 +119,7 @@ FairResult fair(const FairingBase& base, const FairingBase& given_measured, cons
   }
   FairResult plain = choice.best_of({});
   plain.gave_up = true;
-  plain.warnings = {
-      "The surroundings vary too rapidly over the length of the hole to be continued fairly; the plain patch is used"};
+  plain.warnings = {{Code::surroundings_vary}};
   if (plain.folds.value_or(0) == 0) return plain;
   if (candidates.beyond) fairest = choice.best_of(candidates.best_first);
   return fairest.folds == Index{0} ? fairest : plain;

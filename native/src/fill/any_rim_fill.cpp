@@ -12,6 +12,7 @@
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
+#include "tripatch/messages.h"
 #include "tripatch/output/shaped.h"
 #include "tripatch/polygon/domain.h"
 #include "tripatch/report/folded_triangles.h"
@@ -19,8 +20,6 @@
 namespace tripatch {
 
 namespace {
-
-const std::string sharp_sides_sentence = "The mesh meets the hole at an angle along ";
 
 /// How much larger a fill that goes on from its surroundings is at least than one that meets all of them at an angle: as a cap of a sphere
 /// than its disc where they meet at 25 degrees, from which on an edge tells faces apart. Of balls and cylinders cut through bevels it was
@@ -69,8 +68,7 @@ Fill fill_beside_sharp_sides(const Ground& ground, const Connectivity& around, c
   const double larger = std::cmp_equal(sharp, angles.size()) ? larger_at_angle : 1;
   const bool as_plain = area(ground.mesh, smooth) < larger * area(ground.mesh, fill);
   if (as_plain && harm(smooth.report) <= harm(fill.report)) return smooth;
-  fill.report.warnings.push_back(sharp_sides_sentence + std::to_string(sharp) + " of its " + std::to_string(angles.size()) +
-                                 " sides: the fill is not continued there");
+  fill.report.warnings.push_back({Code::sharp_sides, {{"sharp", sharp}, {"sides", angles.size()}}});
   return fill;
 }
 
@@ -86,13 +84,10 @@ void check_apart(std::vector<Index> all, const std::vector<std::vector<Index>>& 
   for (const std::vector<Index>& island : islands) all.insert(all.end(), island.begin(), island.end());
   std::sort(all.begin(), all.end());
   if (const auto twice = std::adjacent_find(all.begin(), all.end()); twice != all.end())
-    throw Refusal("Vertex " + std::to_string(*twice) + " is on two borders, of the rim and the islands: they must be apart",
-                  {*twice});
+    throw CodedRefusal(Code::borders_share_vertex, {*twice});
 }
 
 }  // namespace
-
-bool is_of_sharp_sides(const std::string& warning) { return warning.starts_with(sharp_sides_sentence); }
 
 bool asks_for_sides(const FillOptions& options) {
   const std::vector<std::string> others = not_taken(find_method(patch_method), options, true);
@@ -110,17 +105,16 @@ bool is_continuity_open(const FillOptions& options) {
 
 Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
                   const std::string& reason) {
-  if (options.surroundings == SurroundingsFrom::limit)
-    throw Refusal("Limit surroundings are read for holes with three corners only: " + reason, {});
-  std::vector<std::string> warnings;
+  if (options.surroundings == SurroundingsFrom::limit) throw CodedRefusal(Code::limit_needs_three_corners, {{"reason", reason}});
+  Messages warnings;
   const auto ordered = [&](const std::vector<Index>& loop) {
     std::vector<Index> checked = check_topology(ground.left, loop);
     std::rotate(checked.begin(), std::min_element(checked.begin(), checked.end()), checked.end());
     check_finite(ground.mesh, ground.left, checked);
     try {
       check_positions(ground.mesh, ground.left, checked);
-    } catch (const Refusal& refusal) {  // no hindrance to triangles
-      warnings.push_back(std::string(refusal.what()) + ": Merge by Distance may be what the mesh needs");
+    } catch (const CodedRefusal& refusal) {  // no hindrance to triangles
+      warnings.push_back(refusal.message());
     }
     return checked;
   };
@@ -143,27 +137,23 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
     for (Index v : loop)
       if (std::find(corners->begin(), corners->end(), v) != corners->end()) at.push_back(v);
     for (Index v : *corners)
-      if (std::find(loop.begin(), loop.end(), v) == loop.end())
-        throw Refusal("Corner vertex " + std::to_string(v) + " is not on the rim", {v});
+      if (std::find(loop.begin(), loop.end(), v) == loop.end()) throw CodedRefusal(Code::corner_not_on_rim, {v});
     if (at.size() != corners->size()) throw InvalidArgument("A corner is given twice");
   }
   const Connectivity& around = all ? *all : ground.left;
   const bool looks_for_sharp = islands.empty() && (!corners || !corners->empty()) && is_continuity_open(options);
   Fill fill = looks_for_sharp ? fill_beside_sharp_sides(ground, around, loop, at, own)
                               : fill_with_spline(ground.mesh, around, loop, islands, own);
-  if (options.method == spline_method && !fill.patch && loop.size() > 3)
-    throw Refusal("No surface of the surroundings could be laid out; the method auto closes the hole with plain triangles", loop);
+  if (options.method == spline_method && !fill.patch && loop.size() > 3) throw CodedRefusal(Code::no_surface_laid_out, loop);
   fill.report.method_reason = reason;
-  if (nothing) std::ranges::fill(fill.report.continuity, "G0");
+  if (nothing) std::ranges::fill(fill.report.continuity, SeamContinuity::g0);
   fill.report.warnings.insert(fill.report.warnings.begin(), warnings.begin(), warnings.end());
   fill.report.corners = std::move(at);
   return fill;
 }
 
 Fill fill_ring(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options, const std::string& reason) {
-  if (options.islands.size() != 1)
-    throw Refusal("The method annulus joins two boundaries; " + std::to_string(options.islands.size() + 1) +
-                  " are given. The method auto fills the hole");
+  if (options.islands.size() != 1) throw CodedRefusal(Code::ring_takes_two, {{"count", options.islands.size() + 1}});
   const auto ordered = [&](const std::vector<Index>& loop) {
     std::vector<Index> checked = check_topology(ground.left, loop);
     std::rotate(checked.begin(), std::min_element(checked.begin(), checked.end()), checked.end());
@@ -238,9 +228,7 @@ Fill fill_around_islands(const Ground& ground, const std::vector<Index>& rim, co
   if (ring && harm(ring->report) == harm(spline->report) && !(expected_error(*spline, size) < expected_error(*ring, size)))
     return std::move(*ring);
   if (options.islands.size() > 1 && (!spline->patch || !is_harmless(spline->report)))
-    throw Refusal("No one surface joins these " + std::to_string(options.islands.size() + 1) +
-                      " boundaries without folds; join them two at a time",
-                  rim);
+    throw CodedRefusal(Code::boundaries_not_joined, {{"count", options.islands.size() + 1}}, rim);
   if (ring && options.output == Output::quads && is_harmless(ring->report)) {
     const auto island = ring->rim.end() - static_cast<std::ptrdiff_t>(options.islands[0].size());
     if (std::optional<Fill> rows =
@@ -255,7 +243,7 @@ Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOp
   Fill fill = fill_with_spline(ground.mesh, ground.left, rim, {},
                                {options.resolution, options.output == Output::quads, false, &nothing, options.through});
   fill.report.method_reason = "the hole has lost a flat wall";
-  fill.report.warnings = {flat_all_around};
+  fill.report.warnings = {{Code::flat_all_around}};
   return fill;
 }
 

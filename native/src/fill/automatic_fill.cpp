@@ -23,6 +23,7 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/mesh/vertex_normals.h"
+#include "tripatch/messages.h"
 #include "tripatch/spline/plane_fill.h"
 
 namespace tripatch {
@@ -113,7 +114,7 @@ private:
     if (makes_polygon(corners) || (corners.size() == 3 && !out_.options.through.empty())) return polygon(corners);
     try {
       return triangle(make_hole(ground_.mesh, ground_.left, loop_, std::nullopt));
-    } catch (const Refusal& refusal) {
+    } catch (const CodedRefusal& refusal) {
       return between_sharp("no smooth sides were found: " + without_advice(refusal.what()));
     }
   }
@@ -260,7 +261,7 @@ std::string skip_rows(FillProblem& problem, const TriedFills&) {
 
 Fill make_rows(FillProblem& problem, const TriedFills&) {
   std::optional<Fill> fill = fill_with_rows(problem.ground, problem.loop, problem.options.output, problem.options.features);
-  if (!fill) throw Refusal("no rows of quads go on across the hole", problem.loop);
+  if (!fill) throw CodedRefusal(Code::no_rows_of_quads, problem.loop);
   fill->report.method_reason = rows_reason;
   return std::move(*fill);
 }
@@ -271,7 +272,7 @@ std::string skip_patch(FillProblem& problem, const TriedFills&) {
 }
 
 void check_sides(const Ground& ground, const std::vector<Index>& rim, std::span<const Index> corners) {
-  if (zigzag(ground.mesh, rim, corners) > smooth_sides) throw Refusal("the sides between the corners zigzag", rim);
+  if (zigzag(ground.mesh, rim, corners) > smooth_sides) throw CodedRefusal(Code::sides_zigzag, rim);
 }
 
 Fill make_triangle(FillProblem& problem) {
@@ -281,11 +282,10 @@ Fill make_triangle(FillProblem& problem) {
   return fill_with_patch(problem.ground, sides.hole, sides.options);
 }
 
-bool is_beside_sharp(const Fill& patch) { return std::ranges::count(patch.report.continuity, "Free") > 0; }
+bool is_beside_sharp(const Fill& patch) { return std::ranges::count(patch.report.continuity, SeamContinuity::free) > 0; }
 
 Fill unless_given_up(const FillProblem& problem, PolygonFill made) {
-  if (made.gave_up && !is_shaped_by_hand(problem.options))
-    throw Refusal("the surroundings vary too rapidly over the length of the hole to be continued fairly", problem.loop);
+  if (made.gave_up && !is_shaped_by_hand(problem.options)) throw CodedRefusal(Code::surroundings_too_rough, problem.loop);
   return std::move(made.fill);
 }
 
@@ -301,7 +301,7 @@ Fill make_polygon(FillProblem& problem, bool laid_out) {
   Fill fill = unless_given_up(
       problem, fill_with_polygon(problem.ground.mesh, problem.ground.left, found.rim, found.places, options, laid_out));
   if (sides.corners.size() == 2 && is_beside_sharp(fill) && !wants_patch(problem))
-    throw Refusal("two sides that are not continued tell less than the rim as a whole", problem.loop);
+    throw CodedRefusal(Code::two_sides_tell_less, problem.loop);
   return fill;
 }
 
@@ -339,10 +339,10 @@ Fill make_lower_cap(FillProblem& problem, const TriedFills&) {
     Fill fill = make_disc(problem, &less);
     if (!problem.is_of_revolution || !is_valid(judged(problem, fill))) continue;
     fill.report.method_reason = round_of_revolution + "; as these bend it would leave the hole";
-    if (less == SideContinuity::free) fill.report.warnings.push_back(flat_all_around);
+    if (less == SideContinuity::free) fill.report.warnings.push_back({Code::flat_all_around});
     return fill;
   }
-  throw Refusal("a lower cap too would fold or leave the hole", problem.loop);
+  throw CodedRefusal(Code::lower_cap_fails, problem.loop);
 }
 
 std::string skip_lid(FillProblem& problem, const TriedFills&) {
@@ -408,7 +408,7 @@ std::string skip_folded(FillProblem&, const TriedFills& tried) {
 }
 
 Fill make_folded(FillProblem& problem, const TriedFills&) {
-  if (problem.sides().domain != Domain::polygon) throw Refusal("the patch folds", problem.loop);
+  if (problem.sides().domain != Domain::polygon) throw CodedRefusal(Code::patch_would_fold, problem.loop);
   Fill fill = make_polygon(problem, true);
   fill.report.method_reason = problem.sides().reason;
   return fill;
@@ -458,7 +458,7 @@ Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, c
   if (!options.islands.empty()) return fill_around_islands(ground, rim, options);
   FillProblem problem(ground, rim, corners, options);
   Fill fill = selected(try_all(problem, strategies, problem.size, judged));
-  if (problem.is_flat()) fill.report.warnings.emplace_back(flat_all_around);
+  if (problem.is_flat()) fill.report.warnings.push_back({Code::flat_all_around});
   if (!is_lid(ground, fill, options)) return fill;
   const std::vector<std::array<Index, 2>> edges = sharp_rim_edges(ground, fill);
   fill.feature_edges.insert(fill.feature_edges.end(), edges.begin(), edges.end());

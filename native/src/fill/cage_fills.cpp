@@ -7,7 +7,6 @@
 #include <limits>
 #include <memory>
 #include <numbers>
-#include <sstream>
 #include <string>
 #include <utility>
 
@@ -22,6 +21,7 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
+#include "tripatch/messages.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/output/shaped.h"
@@ -87,12 +87,9 @@ bool place_in_rows(const Ground& ground, const SidedRim& hole, const FillOptions
 /// Tells of a cage that is farther from the patch that was asked for than the tolerance, rms.
 void tell_distance(double tolerance, Report& report) {
   if (!(report.cage_deviation_rms > tolerance)) return;
-  std::erase(report.warnings, too_few_rows);
-  std::ostringstream text;
-  text.precision(2);
-  text << "The cage is " << report.cage_deviation_rms << " from the patch of " << report.method
-       << " (rms, scene units), the tolerance is " << tolerance << ": choose another rim of the cage, or triangles or quads";
-  report.warnings.push_back(text.str());
+  std::erase_if(report.warnings, [](const Message& each) { return each.code == Code::tolerance_out_of_reach; });
+  report.warnings.push_back(
+      {Code::cage_off_patch, {{"distance", report.cage_deviation_rms}, {"method", report.method}, {"tolerance", tolerance}}});
 }
 
 /// How far the vertices inside a cage are from where the mesh around would go on, if they have run off: by a share of the hole's
@@ -111,11 +108,7 @@ void tell_run_off(const Ground& ground, const SidedRim& hole, const CageHole& la
   if (!on_mesh) return;
   const std::optional<double> off = runs_off(inside, *on_mesh, diameter(ground.mesh, hole.rim), run_off);
   if (!off) return;
-  std::ostringstream text;
-  text.precision(2);
-  text << "Vertices of the cage of " << report.method << " lie up to " << *off
-       << " (scene units) from where the faces around the hole would go on: choose another method, or another rim of the cage";
-  report.warnings.push_back(text.str());
+  report.warnings.push_back({Code::cage_runs_off, {{"method", report.method}, {"distance", *off}}});
 }
 
 /// Whether a cage was put there, stays where it is, or there is nowhere to put it.
@@ -235,7 +228,7 @@ public:
   int rows() const { return waits_ || was_seen_ ? 0 : fills_[0].report.rows; }
 
   /// To be said of the first fill.
-  void warn(std::string warning) { warnings_.push_back(std::move(warning)); }
+  void warn(Message warning) { warnings_.push_back(std::move(warning)); }
 
   /// Rim, vertices, faces and what changes around them, of the first hole.
   Fill faces() const {
@@ -245,7 +238,7 @@ public:
   }
   std::vector<Fill> fills() {
     if (waits_) complete();
-    std::vector<std::string>& said = fills_[0].report.warnings;
+    Messages& said = fills_[0].report.warnings;
     said.insert(said.end(), warnings_.begin(), warnings_.end());
     return std::move(fills_);
   }
@@ -287,8 +280,7 @@ private:
     for (std::size_t h = 0; h < holes_.size(); ++h) {
       check_interruption();
       // between other than three sides the patch is that of a smooth rim in any case
-      if (holes_[h].is_triangle() && !options_.through.empty())
-        throw Refusal("A cage of three sides meets no points inside", holes_[h].rim);
+      if (holes_[h].is_triangle() && !options_.through.empty()) throw CodedRefusal(Code::cage_meets_no_points, holes_[h].rim);
       MadePatch made =
           holes_[h].is_triangle()
               ? patch_from_sides(three_sides(cages_.sides(h)), wanted, follows_ ? &cages_.points(h) : nullptr)
@@ -337,7 +329,7 @@ private:
   const bool no_harm_wanted_, named_;
   CageFill cages_;
   std::vector<Fill> fills_;
-  std::vector<std::string> warnings_;
+  Messages warnings_;
   std::optional<Index> folded_;
   bool exact_ = false, fair_ = false, follows_ = false;
   bool in_rows_ = false, of_many_ = false, likelier_ = false, placed_ = false, has_other_place_ = false;
@@ -361,8 +353,7 @@ TriedOnes with_triangle_if_that_folds_less(const Ground& ground, TriedOnes tried
   triangle.odd = Odd::triangle;
   TriedOnes other = try_cages(ground, holes, triangle, seen);
   if (other->harm_and_folds() >= before) return tried;
-  other->warn("The rim is odd, and with an edge of it split the fill would " +
-              std::string(before.first ? "cross itself" : "fold") + ": it has a triangle instead");
+  other->warn({before.first ? Code::split_edge_would_cross : Code::split_edge_would_fold});
   return other;
 }
 
@@ -372,7 +363,7 @@ TriedOnes without_rows_if_that_folds_less(const Ground& ground, TriedOnes tried,
   options.resolution = 0;
   TriedOnes other = try_cages(ground, tried->holes(), options, seen);
   if (other->harm() >= tried->harm()) return tried;
-  other->warn(crossing_rows);
+  other->warn({Code::rows_would_cross});
   return other;
 }
 
@@ -393,19 +384,17 @@ TriedOnes try_cages(const Ground& ground, const std::vector<SidedRim>& holes, co
 }
 
 /// Of a cage that does harm: fewer rows may do none.
-class Harmful final : public Refusal {
+class Harmful final : public CodedRefusal {
 public:
-  using Refusal::Refusal;
+  using CodedRefusal::CodedRefusal;
 };
 
 /// Corners that nobody gave are a person's to choose, and no reason for a cage that crosses itself; guessed ones for none that folds either.
 void refuse_if_harmful(const SidedRim& hole, bool crosses_itself, bool folds) {
   if (hole.given || !(crosses_itself || (hole.guessed && folds))) return;
-  const std::string seen = "A cage between the " + std::to_string(hole.sides()) + " corners that the rim shows",
-                    none = "Rim has no clear corners, and a cage without them";
-  throw Harmful((hole.guessed ? none : seen) + " would " + (crosses_itself ? "cross itself" : "fold") + "; select " +
-                    (hole.guessed ? "two to twelve corners" : "others"),
-                at_places(hole.rim, hole.corners));
+  const std::vector<Index> corners = at_places(hole.rim, hole.corners);
+  if (hole.guessed) throw Harmful(crosses_itself ? Code::cornerless_cage_crosses : Code::cornerless_cage_folds, corners);
+  throw Harmful(crosses_itself ? Code::cage_crosses : Code::cage_folds, {{"count", hole.sides()}}, corners);
 }
 
 /// How much less two choices of corners may turn for the one that begins first to be taken: far more than rounding, radians.
@@ -452,9 +441,7 @@ std::optional<SidedRim> guessed_rim(const Ground& ground, const std::vector<Inde
 /// Edges of a fill that the mesh has already would have four faces.
 void refuse_if_doubled(const Ground& ground, const SidedRim& hole, const Fill& fill) {
   if (!doubles_edges_of_mesh(ground.left, hole.rim, fill.faces)) return;
-  throw Harmful(
-      "A cage would join two vertices of the rim by an edge that the mesh has already; choose other corners, or triangles",
-      at_places(hole.rim, hole.corners));
+  throw Harmful(Code::cage_doubles_edge, at_places(hole.rim, hole.corners));
 }
 
 /// A cage without harm between four guessed corners, or of quads that grow in from the rim.
@@ -532,7 +519,7 @@ std::vector<Fill> with_rows_or_fewer(const Ground& ground, const std::vector<Sid
     }
     if (rows == 0) break;
   }
-  if (most < wanted) best->report.warnings.push_back(fewer_rows(most, wanted));
+  if (most < wanted) best->report.warnings.push_back({Code::fewer_rows, {{"rows", most}, {"wanted", wanted}}});
   return {std::move(*best)};
 }
 
@@ -548,9 +535,7 @@ FillOptions without_shape(FillOptions options) {
 
 void tell_not_shaped(const FillOptions& options, Report& report) {
   for (const char* name : {"bulge", "tension", "center", "center_offset"}) report.not_applied.emplace(name, "sides");
-  if (is_shaped(options))
-    report.warnings.emplace_back(
-        "A cage of a hole without clear corners is not shaped: bulge, tension and center are not applied");
+  if (is_shaped(options)) report.warnings.push_back({Code::cornerless_cage_not_shaped});
 }
 
 }  // namespace
@@ -576,7 +561,7 @@ std::vector<std::variant<Fill, Refused>> fill_group(const Ground& ground, const 
       fill.report.seconds = watch.seconds() / static_cast<double>(group.size());
       results.emplace_back(std::move(fill));
     }
-  } catch (const Refusal& refusal) {
+  } catch (const CodedRefusal& refusal) {
     if (group.size() == 1) return {refused(refusal)};
     for (const SidedRim& hole : group) results.push_back(std::move(fill_group(ground, {hole}, options)[0]));
   }
@@ -620,11 +605,11 @@ SidedRim cornered_rim_of(const Ground& ground, const std::optional<std::vector<I
     result.corners = std::move(found.places);
     return result;
   }
-  Refusal none("A cage needs corners: two to twelve", {});
+  CodedRefusal none(Code::cage_needs_corners);
   if (!corners) {
     try {
       return hole_of(ground, rim, corners);
-    } catch (const Refusal& refusal) {
+    } catch (const CodedRefusal& refusal) {
       none = refusal;
     }
   }

@@ -11,6 +11,7 @@
 #include "tripatch/grid/quad_rows.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/plane.h"
+#include "tripatch/messages.h"
 #include "tripatch/output/polygon_cover.h"
 #include "tripatch/quads/quad_smoothing.h"
 #include "tripatch/spline/plane_patch.h"
@@ -30,9 +31,9 @@ std::optional<Fill> followed(const Ground& ground, const std::vector<Index>& rim
   try {
     Fill fill = fill_any_rim(ground, rim, {}, triangles, "");
     const auto& warnings = fill.report.warnings;
-    const auto reservations = std::ranges::count_if(warnings, [](const std::string& each) { return !is_of_sharp_sides(each); });
+    const auto reservations = std::ranges::count_if(warnings, [](const Message& each) { return each.code != Code::sharp_sides; });
     if (reservations == 0 && dynamic_cast<const PlanePatch*>(fill.patch.get())) return fill;
-  } catch (const Refusal&) {  // a cage needs less
+  } catch (const CodedRefusal&) {  // a cage needs less
   }
   return {};
 }
@@ -84,7 +85,7 @@ bool surface_tells_more(const Ground& ground, const Fill& rows, const std::vecto
     triangles.replaced = replaced;
     const Fill surface = fill_any_rim(ground, rows.rim, {}, triangles, "");
     return is_harmless(surface.report) && expected_error(surface, size) < error;
-  } catch (const Refusal&) {
+  } catch (const CodedRefusal&) {
     return false;
   }
 }
@@ -138,7 +139,7 @@ std::optional<Points> cage_in_rows(const Ground& ground, const CageHole& laid_ou
     if (!fill || !is_harmless(fill->report)) return {};
     std::optional<Points> points = is_block ? as_laid_out(*fill, laid_out) : fill->vertices;
     return points && surface_tells_more(ground, *fill, replaced) ? std::nullopt : std::move(points);
-  } catch (const Refusal&) {  // another way may be open
+  } catch (const CodedRefusal&) {  // another way may be open
     return {};
   }
 }

@@ -23,6 +23,7 @@
 #include "tripatch/hole/unjoined.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
+#include "tripatch/messages.h"
 #include "tripatch/output/polygon_cover.h"
 #include "tripatch/output/shaped.h"
 #include "tripatch/patch/moved_surface.h"
@@ -140,10 +141,8 @@ bool wants_three(const FillOptions& options) {
 /// Throws a Refusal where such a method is given other corners.
 void check_three(const FillOptions& options, const Corners& corners) {
   if (!corners || corners->size() == 3 || !wants_three(options)) return;
-  throw Refusal(options.method + " takes three corners; " +
-                    (corners->empty() ? "a round rim has none" : std::to_string(corners->size()) + " are given") +
-                    ". The methods auto and " + polygon_method + " fill such holes",
-                *corners);
+  if (corners->empty()) throw CodedRefusal(Code::method_takes_three_not_round, {{"method", options.method}});
+  throw CodedRefusal(Code::method_takes_three, {{"method", options.method}, {"count", corners->size()}}, *corners);
 }
 
 Fill fill_one_hole(const Mesh& mesh, const FillOptions& options);
@@ -169,12 +168,12 @@ FillOptions choosing(const FillOptions& options) {
 /// The patch between the sides of a fill that was chosen without what shapes it, made as it is asked for.
 Fill patch_as_asked(const Ground& ground, const Fill& chosen, FillOptions options) {
   const std::vector<Index>& corners = chosen.report.corners;
-  const auto is_free = [](const std::string& c) { return c == "Free"; };
+  const auto is_free = [](SeamContinuity c) { return c == SeamContinuity::free; };
   const bool flat = is_continuity_open(options) && std::ranges::all_of(chosen.report.continuity, is_free);
   if (flat) options.continuity = SideContinuity::free;
   Fill made;
   if (corners.empty()) {
-    if (is_continuity_open(options) && chosen.report.continuity[0] == "G1") options.continuity = SideContinuity::g1;
+    if (is_continuity_open(options) && chosen.report.continuity[0] == SeamContinuity::g1) options.continuity = SideContinuity::g1;
     made = std::move(fill_round(ground.mesh, ground.left, chosen.rim, unshaped(options)).fill);
     shape(ground.mesh, ground.left, {}, options, made);
   } else if (chosen.report.method != polygon_method) {
@@ -185,7 +184,8 @@ Fill patch_as_asked(const Ground& ground, const Fill& chosen, FillOptions option
     made = std::move(fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options).fill);
   }
   made.report.method_reason = chosen.report.method_reason;
-  if (flat && std::ranges::count(chosen.report.warnings, flat_all_around) > 0) made.report.warnings.emplace_back(flat_all_around);
+  if (flat && std::ranges::count(chosen.report.warnings, Code::flat_all_around, &Message::code) > 0)
+    made.report.warnings.push_back({Code::flat_all_around});
   return made;
 }
 
@@ -225,8 +225,8 @@ Fill fill_and_shape(const Ground& ground, const std::vector<Index>& loop, const 
   if (!fill.sides.empty() && options.islands.empty() && ((is_shaped(options) && !fill.report.corners.empty()) || !as_chosen)) {
     try {
       return patch_as_asked(ground, fill, options);
-    } catch (const Refusal& refusal) {  // of what is asked for
-      fill.report.warnings.emplace_back(refusal.what());
+    } catch (const CodedRefusal& refusal) {  // of what is asked for
+      fill.report.warnings.push_back(refusal.message());
     }
   }
   shape(ground.mesh, ground.left, sizes_of(options.islands), options, fill);
@@ -264,7 +264,7 @@ void tell_odd(const FillOptions& options, Fill& fill) {
     return;
   Index triangles = 0;
   for (Index f = 0; f < fill.faces.size(); ++f) triangles += fill.faces[f].size() == 3 ? 1 : 0;
-  if (triangles == 1) fill.report.warnings.push_back(one_triangle);
+  if (triangles == 1) fill.report.warnings.push_back({Code::one_triangle});
 }
 
 /// How far the patch is from the vertices of the border that it is to meet.
@@ -292,7 +292,7 @@ Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>
   if (report.triangles_folded > 0) tell_turned_over(ground.mesh, ground.left, fill.rim, report);
   if (report.crosses_itself)
     if (const auto where = place_of_crossing(ground.mesh, fill.vertices, fill.faces))
-      tell_crossing(ground.mesh.vertices, fill.rim, *where, report);
+      tell_crossing(ground.mesh.vertices, fill.rim, *where, report, Code::crosses_itself);
   return fill;
 }
 
@@ -360,10 +360,9 @@ SidedRim cage_rim_for(const Ground& ground, const std::optional<std::vector<Inde
   check_three(options, corners);
   SidedRim found = cage_rim_of(ground, rim, corners);
   if (wants_three(options) && !found.is_triangle())
-    throw Refusal(options.method + " takes three corners; " +
-                      (found.guessed ? "the rim shows none" : "the rim has " + std::to_string(found.sides())) +
-                      ". The method auto fills it",
-                  found.rim);
+    throw found.guessed
+        ? CodedRefusal(Code::method_needs_three_rim_shows_none, {{"method", options.method}}, found.rim)
+        : CodedRefusal(Code::method_needs_three, {{"method", options.method}, {"count", found.sides()}}, found.rim);
   return found;
 }
 
@@ -427,7 +426,7 @@ Results fill_every_merged(const Mesh& mesh, const MergedRims& merged, const std:
     if (k < corners.size() && corners[k]) one.corners = corners[k];
     try {
       results[k] = fill_as_it_is(mesh, one);
-    } catch (const Refusal& refusal) {
+    } catch (const CodedRefusal& refusal) {
       results[k] = refused(refusal);
     }
   }
@@ -465,7 +464,7 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
     for (std::size_t k = 0; k < rims.size(); ++k) {
       try {
         holes[k] = cage_rim_for(ground, rims[k], corners_at(k), options);
-      } catch (const Refusal& refusal) {
+      } catch (const CodedRefusal& refusal) {
         results[k] = refused(refusal);
       }
     }
@@ -478,7 +477,7 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
       Fill fill = fill_by_method(ground, rims[k], corners_at(k), options);
       fill.report.seconds = watch.seconds();
       results[k] = std::move(fill);
-    } catch (const Refusal& refusal) {
+    } catch (const CodedRefusal& refusal) {
       results[k] = refused(refusal);
     }
   };
@@ -488,15 +487,15 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
 
 void tell_not_taken(const FillOptions& options, Fill& fill) {
   Report& report = fill.report;
-  for (std::string& said : told_of_not_taken(options, report.method)) report.warnings.push_back(std::move(said));
+  for (Message& said : told_of_not_taken(options, report.method)) report.warnings.push_back(std::move(said));
   report.not_applied.merge(not_applied(options, fill));
 }
 
 /// For each rim what is wrong with the mesh there; else nothing.
-std::vector<std::string> told_of_rims(const Mesh& mesh, std::span<const std::vector<Index>> rims) {
-  std::vector<std::string> told = told_of_unjoined(mesh, rims), extra = told_of_extra_faces(mesh, rims);
+std::vector<std::optional<Message>> told_of_rims(const Mesh& mesh, std::span<const std::vector<Index>> rims) {
+  std::vector<std::optional<Message>> told = told_of_unjoined(mesh, rims), extra = told_of_extra_faces(mesh, rims);
   for (std::size_t k = 0; k < rims.size(); ++k)
-    if (told[k].empty()) told[k] = std::move(extra[k]);
+    if (!told[k]) told[k] = std::move(extra[k]);
   return told;
 }
 
@@ -507,14 +506,13 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   try {
     Fill result = fill_one_hole(mesh, options);
     tell_not_taken(options, result);
-    if (std::string told = told_of_rims(mesh, {&result.rim, 1})[0]; !told.empty())
-      result.report.warnings.push_back(std::move(told));
+    if (std::optional<Message> told = told_of_rims(mesh, {&result.rim, 1})[0]) result.report.warnings.push_back(std::move(*told));
     return result;
-  } catch (const Refusal& refusal) {
+  } catch (const CodedRefusal& refusal) {
     const std::vector<Index> rim = options.rim ? *options.rim : refusal.where();
-    const std::string told = told_of_rims(mesh, {&rim, 1})[0];
-    if (told.empty()) throw;
-    throw Refusal(refusal.what() + (". " + told), refusal.where());
+    const std::optional<Message> told = told_of_rims(mesh, {&rim, 1})[0];
+    if (!told) throw;
+    throw CodedRefusal(refusal.message(), {*told});
   }
 }
 
@@ -525,15 +523,15 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
   check_creases(mesh, options.subdivision.crease_edges);
   for (const Corners& each : corners) check_corners(each);
   Results results = fill_every_hole(mesh, rims, options, corners, progress);
-  const std::vector<std::string> told = told_of_rims(mesh, rims);
+  const std::vector<std::optional<Message>> told = told_of_rims(mesh, rims);
   for (std::size_t k = 0; k < results.size(); ++k) {
     Fill* const fill = std::get_if<Fill>(&results[k]);
     if (fill) tell_not_taken(options, *fill);
-    if (told[k].empty()) continue;
+    if (!told[k]) continue;
     if (fill)
-      fill->report.warnings.push_back(told[k]);
+      fill->report.warnings.push_back(*told[k]);
     else
-      std::get<Refused>(results[k]).reason += ". " + told[k];
+      std::get<Refused>(results[k]).also.push_back(*told[k]);
   }
   return results;
 }

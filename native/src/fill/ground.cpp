@@ -6,6 +6,7 @@
 #include "tripatch/hole/outer_borders.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/mesh/border_loops.h"
+#include "tripatch/messages.h"
 #include "tripatch/polygon/domain.h"
 
 namespace tripatch {
@@ -32,34 +33,32 @@ Ground::Ground(const Mesh& given, const std::optional<std::vector<Index>>& rim, 
 std::optional<std::array<Index, 3>> three(const Corners& corners) {
   if (!corners) return {};
   if (corners->size() == 3) return std::array<Index, 3>{(*corners)[0], (*corners)[1], (*corners)[2]};
-  throw Refusal("This method fills between three corners; " + std::to_string(corners->size()) +
-                    " are given. The methods auto and polyharmonic_spline take any number",
-                *corners);
+  throw CodedRefusal(Code::three_corners_needed, {{"count", corners->size()}}, *corners);
 }
 
 std::vector<Index> loop_through(const Ground& ground, const std::vector<Index>& corners) {
   for (std::vector<Index>& loop : border_loops(ground.whole()))
     if (!corners.empty() && std::find(loop.begin(), loop.end(), corners[0]) != loop.end()) return std::move(loop);
-  throw Refusal("The corner is not on the border of the mesh", corners);
+  throw CodedRefusal(Code::corner_not_on_border, corners);
 }
 
 std::vector<Index> only_hole(const Ground& ground) {
   std::vector<std::vector<Index>> loops;
-  std::optional<Refusal> none;  // of the shortest
+  std::optional<CodedRefusal> none;  // of the shortest
   const std::vector<Border> borders = borders_of(ground.mesh, ground.whole());
   for (const Border& border : borders) {
     if (border.outer) continue;
     try {
       check_topology(ground.left, border.loop);
       loops.push_back(border.loop);
-    } catch (const Refusal& refusal) {
+    } catch (const CodedRefusal& refusal) {
       if (!none) none = refusal;
     }
   }
   if (loops.size() == 1) return loops[0];
   if (none && loops.empty()) throw *none;
   if (loops.empty()) refuse_no_hole(borders);
-  refuse_several(loops, "The mesh has " + std::to_string(loops.size()) + " holes", "choose one, or fill all");
+  refuse_several(loops, Code::several_holes);
 }
 
 Hole hole_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
@@ -87,8 +86,7 @@ CorneredRim cornered(const Ground& ground, const std::vector<Index>& rim, const 
   check_finite(ground.mesh, ground.left, out.rim);
   check_positions(ground.mesh, ground.left, out.rim);
   for (Index v : corners)
-    if (std::find(out.rim.begin(), out.rim.end(), v) == out.rim.end())
-      throw Refusal("Corner vertex " + std::to_string(v) + " is not on the rim", {v});
+    if (std::find(out.rim.begin(), out.rim.end(), v) == out.rim.end()) throw CodedRefusal(Code::corner_not_on_rim, {v});
   std::rotate(out.rim.begin(), std::find(out.rim.begin(), out.rim.end(), corners[0]), out.rim.end());
   out.places = places_in(out.rim, corners);
   if (out.places.size() != corners.size()) throw InvalidArgument("A corner is given twice");

@@ -5,6 +5,7 @@
 
 #include "tripatch/constructions/methods.h"
 #include "tripatch/fill/any_rim_fill.h"
+#include "tripatch/messages.h"
 #include "tripatch/output/shaped.h"
 #include "tripatch/report/folded_triangles.h"
 
@@ -13,8 +14,7 @@ namespace {
 
 /// Edges that are folded in vain: where sides are met in position only, what is beyond meets them at whatever angle it has.
 std::vector<std::array<Index, 2>> folds_of(const Ground& ground, const Fill& fill) {
-  const bool at_angles =
-      std::ranges::any_of(fill.report.continuity, [](const std::string& c) { return c == "Free" || c == "G0"; });
+  const bool at_angles = std::ranges::any_of(fill.report.continuity, in_position);
   const std::vector<FaceBeyond> beyond =
       at_angles ? std::vector<FaceBeyond>() : faces_beyond(ground.mesh, ground.left, {fill.rim});
   return folded_edges(ground.mesh.vertices, fill.vertices, fill.faces, beyond);
@@ -33,9 +33,8 @@ std::vector<Index> beside(const Ground& ground, const Fill& fill, const std::vec
   return out;
 }
 
-std::string near_vertex(const std::vector<Index>& where) {
-  return where.empty() ? "" : " near vertex " + std::to_string(where[0]) + " of the rim";
-}
+/// The first of the vertices that are near a defect, if there are any.
+std::vector<Index> first_of(const std::vector<Index>& where) { return where.empty() ? where : std::vector<Index>{where[0]}; }
 
 /// Whether somebody shapes the patch, or wants the method's own: which energy it has, or how its sides are met, does not count.
 bool is_shaped_or_plain(FillOptions options) {
@@ -50,10 +49,10 @@ void refuse_if_insisted(const Ground& ground, const Fill& fill, const FillOption
   if (options.method == automatic_method || is_shaped_or_plain(options)) return;
   const Report& report = fill.report;
   const bool as_a_whole = options.method == spline_method;
-  const auto refuse = [&](const std::string& what, const std::vector<Index>& where) {
-    const std::string others =
-        as_a_whole || options.method == rows_method ? "the method auto" : "other corners, or the method auto";
-    throw Refusal("A fill by " + options.method + " would " + what + "; choose " + others, where.empty() ? fill.rim : where);
+  const auto refuse = [&](Code code, const std::vector<Index>& where, Index edges) {
+    Parameters parameters = {{"method", options.method}, {"near", first_of(where)}, {"edges", edges}};
+    if (!as_a_whole && options.method != rows_method) parameters.push_back({"sided", ""});
+    throw CodedRefusal(code, std::move(parameters), where.empty() ? fill.rim : where);
   };
   if (report.triangles_folded > report.rim_folded) {
     const bool of_limit = options.output == Output::cage;  // folds are those of its limit surface, which has other faces
@@ -61,15 +60,13 @@ void refuse_if_insisted(const Ground& ground, const Fill& fill, const FillOption
     const Index count = of_limit ? report.triangles_folded : static_cast<Index>(folds.size());
     const std::vector<Index> where = beside(ground, fill, folds);
     if (count > report.rim_folded)
-      refuse("fold over itself" + near_vertex(where) + (report.rim_folded > 0 ? " more often than its rim" : "") + ", at " +
-                 std::to_string(count) + (count == 1 ? " edge" : " edges"),
-             where);
+      refuse(report.rim_folded > 0 ? Code::method_folds_more_than_rim : Code::method_folds, where, count);
   }
   if (report.crosses_itself && !as_a_whole) {
     std::vector<Index> where;
     if (const auto place = place_of_crossing(ground.mesh, fill.vertices, fill.faces))
       where.push_back(nearest_of(ground.mesh.vertices, fill.rim, *place));
-    refuse("cross itself" + near_vertex(where), where);
+    refuse(Code::method_crosses, where, 0);
   }
 }
 

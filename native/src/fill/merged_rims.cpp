@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "tripatch/messages.h"
+
 namespace tripatch {
 
 namespace {
@@ -221,11 +223,7 @@ bool MergedRims::bring_back(Fill& fill) const {
   repeat_rows(fill.rim_normals, row);
   repeat_rows(fill.rim_barycentric, row);
   repeat_rows(fill.rim_uv, row);
-  const bool many = flat.size() > 1;
-  fill.report.warnings.push_back((many ? std::to_string(flat.size()) + " edges" : std::string("1 edge")) +
-                                 " of the rim, as that between vertices " + std::to_string(flat[0][0]) + " and " +
-                                 std::to_string(flat[0][1]) + ", " + (many ? "have" : "has") + " no length: the fill joins " +
-                                 (many ? "them" : "it") + " by triangles without area; Merge by Distance rids the mesh of both");
+  fill.report.warnings.push_back({Code::edges_without_length, {{"edges", flat.size()}}, {flat[0][0], flat[0][1]}});
   return true;
 }
 

@@ -15,6 +15,7 @@
 #include "tripatch/math/linear.h"
 #include "tripatch/math/ties.h"
 #include "tripatch/mesh/triangles.h"
+#include "tripatch/messages.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/pair_quads.h"
 #include "tripatch/output/polygon_cover.h"
@@ -90,8 +91,7 @@ PlaneCover triangles_of(const Vec2& center, int sides, const Surface& patch, con
   polygon.joined = std::move(joined);
   for (const Vec2& there : met) {
     const PlanePoints own = there.cwiseProduct(walk.turn).transpose();
-    if (!insert_row(polygon, own, Vec3(walk.surface->positions(as_rows(own)).row(0))))
-      throw Refusal("The inner points cannot all be met: one of them lies on the rim");
+    if (!insert_row(polygon, own, Vec3(walk.surface->positions(as_rows(own)).row(0)))) throw CodedRefusal(Code::point_on_rim);
   }
   PlaneTriangulation made = remesh(polygon, resolution, *walk.surface);
   PlaneCover cover;
@@ -273,7 +273,7 @@ MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std
     const Index k = together.corner, start = corners[k], second = (corners[(k + 1) % n] - start + edges) % edges;
     Index third = (corners[(k + 2) % n] - start + edges) % edges;
     if (n == 2) third = (second + edges + (begin.backwards ? 1 : 0)) / 2;
-    if (third == second || third == edges) throw Refusal("A side of a hole with two corners has two edges or more", {rim[start]});
+    if (third == second || third == edges) throw CodedRefusal(Code::side_too_short, {rim[start]});
     for (Index j = 0; j < edges; ++j) hole.rim.push_back(rim[(start + j) % edges]);
     hole.corners = {0, second, third};
     if (!alone.empty())
@@ -403,7 +403,7 @@ PolygonPatch patch_of_three(const Sides& three, const SideTerms& terms, const Fi
   out.folds = made.report.folds;
   out.gave_up = made.gave_up;
   out.warnings = std::move(made.report.warnings);
-  const std::vector<std::string>& continuity = made.report.continuity;
+  const std::vector<SeamContinuity>& continuity = made.report.continuity;
   out.continuity = {continuity[2], continuity[0], continuity[1]};
   complete_patch({three[2], three[0], three[1]}, options.through, out);
   return out;
@@ -488,7 +488,7 @@ constexpr int most_waves = 48;
 PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options,
                        bool folded_too) {
   const Index r = static_cast<Index>(rim.size());
-  if (r < least_round) throw Refusal("A round rim has six edges or more", rim);
+  if (r < least_round) throw CodedRefusal(Code::round_rim_too_short, rim);
   const auto [first, backwards] = beginning_of_closed(mesh, around, rim);
   std::vector<Index> own = rim;
   std::rotate(own.begin(), own.begin() + first, own.end());

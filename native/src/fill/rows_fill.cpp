@@ -17,6 +17,7 @@
 #include "tripatch/grid/rows_surface.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/messages.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/plane_patch.h"
@@ -138,7 +139,7 @@ void report_rows(const Mesh& mesh, const Connectivity& around, double missed, Fi
   Report& report = fill.report;
   report.method = rows_method;
   report.seam_angle_max_by_side = report.seam_angle_rms_by_side = {0};
-  report.continuity = {"G1"};  // its surroundings are rows of the surface
+  report.continuity = {SeamContinuity::g1};  // its surroundings are rows of the surface
   report.surroundings_error = std::atan(missed / mean_edge(mesh, fill.rim)) * 180 / std::numbers::pi;
   if (fill.deviation.size() > 0) report.deviation_max = fill.deviation.maxCoeff();
   measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, around, {fill.rim}), report);
@@ -253,14 +254,11 @@ std::optional<Fill> fill_with_rows(const Ground& ground, const std::vector<Index
 Fill fill_with_rows_only(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
                          const FillOptions& options) {
   if (options.surroundings == SurroundingsFrom::limit)
-    throw Refusal("Limit surroundings are read for holes with three corners only: quad_rows reads the mesh", {});
+    throw CodedRefusal(Code::limit_needs_three_corners, {{"reason", std::string(rows_method) + " reads the mesh"}});
   std::optional<Fill> fill = fill_with_rows(ground, check_topology(ground.left, rim), options.output, options.features);
   const auto is_other = [&](Index v) { return std::ranges::find(fill->report.corners, v) == fill->report.corners.end(); };
   if (!fill || (corners && (corners->size() != fill->report.corners.size() || std::ranges::any_of(*corners, is_other))))
-    throw Refusal(
-        "No rows of quads go on across the hole: the faces at its rim have to be quads whose rows close inside it, but for one "
-        "pole where three or five rows meet; other methods fill it",
-        rim);
+    throw CodedRefusal(Code::no_rows_of_quads, rim);
   fill->report.method_reason = "it was asked for";
   return std::move(*fill);
 }

@@ -94,7 +94,7 @@ TriedFills try_all(FillProblem& problem, std::span<const Strategy> strategies, d
         now.row.status = CandidateStatus::made;
         now.row.quality = judged(problem, *now.fill);
       }
-    } catch (const Refusal& refusal) {
+    } catch (const CodedRefusal& refusal) {
       now.row.status = CandidateStatus::refused;
       now.row.why = refusal.what();
       now.refusal = refusal;

@@ -14,6 +14,7 @@
 #include "tripatch/math/ties.h"
 #include "tripatch/mesh/canonical_part.h"
 #include "tripatch/mesh/submesh.h"
+#include "tripatch/messages.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/pair_quads.h"
 #include "tripatch/output/polygon_cover.h"
@@ -311,16 +312,17 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   Report& report = fill.report;
   report.method = spline_method;
   report.seam_angle_max_by_side = report.seam_angle_rms_by_side = std::vector<double>(made.surface ? 1 : 0, 0.0);
-  report.continuity = std::vector<std::string>(made.surface ? 1 : 0, "G1");  // its surroundings are samples of the surface
+  report.continuity = std::vector(made.surface ? 1 : 0, SeamContinuity::g1);  // its surroundings are samples of the surface
   report.surroundings_error = made.surroundings_error;
   report.rim_folded = made.rim_folds;
   measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, around, loops), report);
   if (fill.deviation.size() > 0) report.deviation_max = fill.deviation.maxCoeff();
   report.rows = quads ? rows : 0;
-  if (quads && rows < options.resolution.value_or(0)) report.warnings.push_back(fewer_rows(rows, *options.resolution));
+  if (quads && rows < options.resolution.value_or(0))
+    report.warnings.push_back({Code::fewer_rows, {{"rows", rows}, {"wanted", *options.resolution}}});
   for (Index pole : quads ? quads->poles : std::vector<Index>())
     report.poles.push_back({mesh_index(pole), std::ranges::count(quads->faces.corners, pole)});
-  if (!made.plainer.empty()) report.warnings.push_back(made.plainer);
+  if (made.plainer) report.warnings.push_back(*made.plainer);
   return fill;
 }
 
@@ -441,10 +443,8 @@ Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::v
     }
     bring_back(part, mesh, loops, fill);
     return fill;
-  } catch (const Refusal& refusal) {
-    std::vector<Index> where;
-    for (Index v : refusal.where()) where.push_back(part.vertex.at(static_cast<std::size_t>(v)));
-    throw Refusal(refusal.what(), where);
+  } catch (const CodedRefusal& refusal) {
+    throw CodedRefusal(with_vertices(refusal.message(), [&](Index v) { return part.vertex.at(static_cast<std::size_t>(v)); }));
   }
 }
 

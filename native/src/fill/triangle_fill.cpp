@@ -12,6 +12,7 @@
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/parallel.h"
+#include "tripatch/messages.h"
 #include "tripatch/output/cover.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/patch_from_sides.h"
@@ -50,7 +51,7 @@ MadePatch patch_without_folds(const Sides& sides, const FillOptions& options) {
   least.fairing = Fairing::thin_plate;
   MadePatch other = patch_from_sides(sides, least);
   if (other.report.folds >= made.report.folds) return made;
-  other.report.warnings.emplace_back("The fairest patch would fold over itself; the one that bends least is used");
+  other.report.warnings.push_back({Code::fairest_folds_least_bending});
   return other;
 }
 
@@ -99,8 +100,7 @@ std::optional<Fill> fill_over_points(const Ground& ground, const Hole& hole, con
   report.corners.clear();
   for (Index k : hole.corners) report.corners.push_back(hole.rim[k]);
   report.warnings.insert(report.warnings.begin(), surroundings.warnings.begin(), surroundings.warnings.end());
-  report.warnings.emplace_back(
-      "A patch that keeps the planes of the limit surface would fold: the fill follows its points around, its slopes estimated");
+  report.warnings.push_back({Code::limit_planes_fold});
   return fill;
 }
 
@@ -117,7 +117,7 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
   const Mesh& mesh = ground.mesh;
   const std::string method = options.method == automatic_method ? patch_method : options.method;
   const bool looks_for_sharp =
-      options.surroundings == SurroundingsFrom::mesh && std::string(find_method(method).continuity) != "G0";
+      options.surroundings == SurroundingsFrom::mesh && find_method(method).continuity != SeamContinuity::g0;
   std::vector<double> angles = looks_for_sharp ? sharp_sides_of(ground, hole) : std::vector<double>(3, 0.0);
   SideTerms terms = terms_of_sides(options.continuity, angles);
   std::copy(terms.alone.begin(), terms.alone.end(), hole.alone.begin());

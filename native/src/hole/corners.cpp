@@ -9,6 +9,7 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/ties.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -115,7 +116,7 @@ std::vector<Index> grid_corners(const Connectivity& around, const Loop& rim) {
 std::vector<Index> detect_corners(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
   if (rim.size() == 3) return {0, 1, 2};
   const RimShape shape = measure(mesh, around, rim);
-  if (shape.without_area) throw Refusal("The faces around the rim have no area", {rim[0]});
+  if (shape.without_area) throw CodedRefusal(Code::faces_without_area, {rim[0]});
   // Faces that meet the hole at an angle tell of another plane than the one in which the rim turns.
   const std::vector<Index> alone = turning_corners(measure_alone(mesh, rim), rim);
   if (alone.size() >= 2 && alone.size() <= most_corners && any_sharp(sharp_sides(mesh, around, rim, alone))) return alone;
@@ -131,11 +132,9 @@ std::array<Index, 3> three_corners(const Mesh& mesh, const Connectivity& around,
   if (corners.size() == 3) return {corners[0], corners[1], corners[2]};
   Loop where;
   for (Index k : corners) where.push_back(rim[k]);
-  if (corners.empty()) throw Refusal("Rim has no clear corners; select three", {rim[0]});
-  if (corners.size() > most_corners)
-    throw Refusal("Rim has more than " + std::to_string(most_corners) + " corners; select three", where);
-  throw Refusal("Rim has " + std::to_string(corners.size()) + (corners.size() == 1 ? " corner" : " corners") + "; select three",
-                where);
+  if (corners.empty()) throw CodedRefusal(Code::no_clear_corners, {rim[0]});
+  if (corners.size() > most_corners) throw CodedRefusal(Code::too_many_corners, {{"most", most_corners}}, where);
+  throw CodedRefusal(Code::not_three_corners, {{"count", corners.size()}}, where);
 }
 
 }  // namespace tripatch

@@ -58,17 +58,10 @@ std::vector<Ear> ears_of(const Mesh& mesh, std::span<const std::vector<Index>> r
   return ears;
 }
 
-std::string sentence_of(std::span<const Index> face) {
-  std::string where;
-  for (std::size_t k = 0; k < face.size(); ++k)
-    where += (k == 0 ? "" : k + 1 == face.size() ? " and " : ", ") + std::to_string(face[k]);
-  return "An extra face hangs on the boundary at vertices " + where + "; delete it first";
-}
-
 }  // namespace
 
-std::vector<std::string> told_of_extra_faces(const Mesh& mesh, std::span<const std::vector<Index>> rims) {
-  std::vector<std::string> told(rims.size());
+std::vector<std::optional<Message>> told_of_extra_faces(const Mesh& mesh, std::span<const std::vector<Index>> rims) {
+  std::vector<std::optional<Message>> told(rims.size());
   const std::vector<Ear> ears = ears_of(mesh, rims);
   std::map<std::array<Index, 2>, std::vector<const Ear*>> by_edge;
   for (const Ear& ear : ears) by_edge[{std::min(ear.a, ear.b), std::max(ear.a, ear.b)}].push_back(&ear);
@@ -81,9 +74,10 @@ std::vector<std::string> told_of_extra_faces(const Mesh& mesh, std::span<const s
       const auto found = by_edge.find({std::min(a, b), std::max(a, b)});
       if (found == by_edge.end()) continue;
       for (const Ear* ear : found->second) {
-        std::string& said = told[static_cast<std::size_t>(ear->rim)];
-        if (ear->face == f || !said.empty() || goes_straight_on(mesh, mesh.faces[ear->face], face, a, b)) continue;
-        said = sentence_of(mesh.faces[ear->face]);
+        std::optional<Message>& said = told[static_cast<std::size_t>(ear->rim)];
+        if (ear->face == f || said || goes_straight_on(mesh, mesh.faces[ear->face], face, a, b)) continue;
+        const std::span<const Index> extra = mesh.faces[ear->face];
+        said = Message{Code::extra_face, {}, {extra.begin(), extra.end()}};
       }
     }
   }

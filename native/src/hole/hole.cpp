@@ -8,6 +8,7 @@
 #include "tripatch/hole/outer_borders.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/mesh/border_loops.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -22,7 +23,7 @@ std::array<Index, 3> places_of(const std::array<Index, 3>& corners, const Loop& 
       throw InvalidArgument("The corners must be three different vertices; vertex " + std::to_string(corners[i]) +
                             " is given twice");
     const auto found = std::find(rim.begin(), rim.end(), corners[i]);
-    if (found == rim.end()) throw Refusal("Corner vertex " + std::to_string(corners[i]) + " is not on the rim", {corners[i]});
+    if (found == rim.end()) throw CodedRefusal(Code::corner_not_on_rim, {corners[i]});
     places[i] = found - rim.begin();
   }
   return places;
@@ -72,24 +73,26 @@ Hole find_hole(const Mesh& mesh, const Connectivity& around) {
     if (!border.outer) loops.push_back(border.loop);
   if (loops.empty()) refuse_no_hole(borders);
   std::vector<Hole> found;
-  std::optional<Refusal> refusal;  // of the shortest
+  std::optional<CodedRefusal> refusal;  // of the shortest
   for (const Loop& loop : loops) {
     try {
       found.push_back(make_hole(mesh, around, loop, std::nullopt));
-    } catch (const Refusal& r) {
+    } catch (const CodedRefusal& r) {
       if (!refusal) refusal = r;
     }
   }
   if (found.size() == 1) return found[0];
   if (found.empty()) {
     if (loops.size() == 1) throw *refusal;
-    throw Refusal("None of " + std::to_string(loops.size()) + " holes can be filled as they are. The shortest, through vertex " +
-                      std::to_string(loops[0][0]) + ": " + refusal->what(),
-                  refusal->where());
+    throw CodedRefusal(Code::no_hole_fillable,
+                       {{"count", loops.size()},
+                        {"shortest", std::vector<Index>{loops[0][0]}},
+                        {"reason", std::make_shared<const Message>(refusal->message())}},
+                       refusal->where());
   }
   std::vector<Loop> rims;
   for (Hole& hole : found) rims.push_back(std::move(hole.rim));
-  refuse_several(rims, std::to_string(found.size()) + " holes have three corners", "choose one");
+  refuse_several(rims, Code::several_three_cornered_holes);
 }
 
 Hole find_hole(const Mesh& mesh) { return find_hole(mesh, Connectivity(mesh)); }

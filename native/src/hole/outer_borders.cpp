@@ -10,6 +10,7 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/ties.h"
 #include "tripatch/mesh/border_loops.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -81,8 +82,8 @@ std::vector<Border> borders_of(const Mesh& mesh, const Connectivity& around) {
 }
 
 void refuse_no_hole(const std::vector<Border>& borders) {
-  if (borders.empty()) throw Refusal("No hole: the mesh has no border");
-  throw Refusal("No hole: the mesh has only outer borders. Name one as the rim to fill it", borders.back().loop);
+  if (borders.empty()) throw CodedRefusal(Code::no_border);
+  throw CodedRefusal(Code::only_outer_borders, borders.back().loop);
 }
 
 std::vector<Border> borders_of(const Mesh& mesh) { return borders_of(mesh, Connectivity(mesh)); }

@@ -7,26 +7,16 @@
 #include <string>
 #include <utility>
 
+#include "tripatch/messages.h"
+
 namespace tripatch {
 namespace {
-
-constexpr std::size_t most_named = 8;  ///< vertices in a sentence: more are not read
-
-/// "1, 2 and 3", or the first of many "and more".
-std::string listed(const std::vector<Index>& vertices) {
-  std::string text;
-  const std::size_t n = vertices.size();
-  for (std::size_t k = 0; k < std::min(n, most_named); ++k)
-    text += (k == 0 ? "" : k + 1 == n ? " and " : ", ") + std::to_string(vertices[k]);
-  return n > most_named ? text + " and more" : text;
-}
 
 using Loop = std::vector<Index>;
 using Corner = Connectivity::Corner;
 
 /// Of the rim's length: shorter edges have none. Some hundred times the rounding of coordinates as large as the rim is long.
 constexpr double shortest_edge = 1e-14;
-const char* const advice = "; make the normals consistent first";
 
 /// The edges of a rim by how the faces beside them hold them: as given, or reversed.
 struct RimEdges {
@@ -41,7 +31,6 @@ RimEdges check_edges(const Connectivity& around, const Loop& rim) {
   bool one_face = true;
   for (std::size_t k = 0; k < n; ++k) {
     const Index a = rim[k], b = rim[(k + 1) % n];
-    const auto edge = [&] { return "the rim edge between vertices " + std::to_string(a) + " and " + std::to_string(b); };
     int forward = 0, backward = 0;
     for (const Corner c : around.at(a)) {
       if (around.next(c) != b && around.previous(c) != b) continue;
@@ -50,15 +39,12 @@ RimEdges check_edges(const Connectivity& around, const Loop& rim) {
       if (!first) first = around.face(c);
       one_face = one_face && around.face(c) == *first;
     }
-    if (forward + backward == 0)
-      throw Refusal("There is no face beside " + edge() + "; the surroundings are unknown there", {a, b});
-    if (forward + backward > 2)
-      throw Refusal("Non-manifold: " + edge() + " has " + std::to_string(forward + backward) + " faces", {a, b});
-    if (forward + backward == 2) throw Refusal("There is a face on both sides of " + edge() + ", so no hole", {a, b});
+    if (forward + backward == 0) throw CodedRefusal(Code::no_face_at_edge, {a, b});
+    if (forward + backward > 2) throw CodedRefusal(Code::non_manifold_edge, {{"faces", forward + backward}}, {a, b});
+    if (forward + backward == 2) throw CodedRefusal(Code::faces_on_both_sides, {a, b});
     (forward ? edges.along : edges.against).push_back({a, b});
   }
-  if (one_face && around.faces()[*first].size() == n)
-    throw Refusal("The rim is the border of a single face that is joined to no other, so no hole", rim);
+  if (one_face && around.faces()[*first].size() == n) throw CodedRefusal(Code::loose_face, rim);
   return edges;
 }
 
@@ -70,9 +56,7 @@ void check_orientation(const RimEdges& edges) {
     where.insert(where.end(), edge.begin(), edge.end());
   std::sort(where.begin(), where.end());
   where.erase(std::unique(where.begin(), where.end()), where.end());
-  throw Refusal("The faces around the rim disagree in orientation: at vertices " + listed(where) +
-                    " they are turned against the others" + advice,
-                where);
+  throw CodedRefusal(Code::faces_flipped, where);
 }
 
 /// Memory of check_fan.
@@ -93,27 +77,23 @@ void check_fan(const Connectivity& around, Index v, const Loop& sorted_rim, FanE
   for (const auto& [side, other] : {std::pair(&out, &in), std::pair(&in, &out)})
     for (auto k = side->begin(); (k = std::adjacent_find(k, side->end())) != side->end(); ++k)
       if (!std::binary_search(other->begin(), other->end(), *k) && std::count(side->begin(), side->end(), *k) == 2)
-        throw Refusal("A face at the rim, at the edge between vertices " + std::to_string(v) + " and " + std::to_string(*k) +
-                          ", is turned against its neighbors" + advice,
-                      {v, *k});
+        throw CodedRefusal(Code::face_flipped, {v, *k});
   std::merge(out.begin(), out.end(), in.begin(), in.end(), std::back_inserter(ends));
   for (auto k = ends.begin(); k != ends.end();) {
     const auto end = std::upper_bound(k, ends.end(), *k);
     if (end - k > 2 && std::binary_search(sorted_rim.begin(), sorted_rim.end(), *k))
-      throw Refusal("Non-manifold: the edge between vertices " + std::to_string(v) + " and " + std::to_string(*k) +
-                        " of the rim has " + std::to_string(end - k) + " faces",
-                    {v, *k});
+      throw CodedRefusal(Code::non_manifold_edge, {{"faces", end - k}}, {v, *k});
     k = end;
   }
 }
 
 }  // namespace
 
-void refuse_several(const std::vector<std::vector<Index>>& rims, const std::string& told, const std::string& advice) {
+void refuse_several(const std::vector<std::vector<Index>>& rims, Code code) {
   Loop where;
   for (const Loop& rim : rims) where.push_back(*std::min_element(rim.begin(), rim.end()));
   std::sort(where.begin(), where.end());
-  throw Refusal(told + ": rims starting at vertex " + listed(where) + "; " + advice, where);
+  throw CodedRefusal(code, {{"count", rims.size()}}, where);
 }
 
 void check_vertices(std::span<const Index> named, Index vertices, const char* what) {
@@ -125,11 +105,11 @@ void check_vertices(std::span<const Index> named, Index vertices, const char* wh
 
 std::vector<Index> check_topology(const Connectivity& around, const std::vector<Index>& rim) {
   check_vertices(rim, around.vertices(), "Rim");
-  if (rim.size() < 3) throw Refusal("A rim needs at least three edges", rim);
+  if (rim.size() < 3) throw CodedRefusal(Code::rim_too_short, rim);
   Loop sorted = rim;
   std::sort(sorted.begin(), sorted.end());
   if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end())
-    throw Refusal("The rim passes vertex " + std::to_string(*twice) + " twice", {*twice});
+    throw CodedRefusal(Code::rim_passes_twice, {*twice});
   const RimEdges edges = check_edges(around, rim);
   check_orientation(edges);
   FanEnds room;
@@ -143,8 +123,7 @@ void check_finite(const Mesh& mesh, const Connectivity& around, const std::vecto
   for (Index v : rim)
     for (const Connectivity::Corner c : around.at(v))
       for (Index w : around.faces()[around.face(c)])
-        if (!mesh.vertices.row(w).allFinite())
-          throw Refusal("Vertex " + std::to_string(w) + " at the rim has no finite position", {w});
+        if (!mesh.vertices.row(w).allFinite()) throw CodedRefusal(Code::vertex_not_finite, {w});
 }
 
 void check_positions(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
@@ -155,21 +134,17 @@ void check_positions(const Mesh& mesh, const Connectivity& around, const std::ve
     return (mesh.vertices.row(rim[(k + 1) % n]) - mesh.vertices.row(rim[k])).stableNorm();
   };
   for (std::size_t k = 0; k < n; ++k) length += edge_length(k);
-  if (!std::isfinite(length)) throw Refusal("The rim is too large to be measured", {rim[0]});
+  if (!std::isfinite(length)) throw CodedRefusal(Code::rim_too_large, {rim[0]});
   for (std::size_t k = 0; k < n; ++k)
     if (!(edge_length(k) > shortest_edge * length)) {
       const Index a = rim[k], b = rim[(k + 1) % n];
-      throw Refusal(
-          "The rim edge between vertices " + std::to_string(a) + " and " + std::to_string(b) + " has no length; merge them first",
-          {a, b});
+      throw CodedRefusal(Code::edge_without_length, {a, b});
     }
   Loop by_place = rim;
   const auto key = [&](Index v) { return std::array{mesh.vertices(v, 0), mesh.vertices(v, 1), mesh.vertices(v, 2)}; };
   std::sort(by_place.begin(), by_place.end(), [&](Index a, Index b) { return std::pair(key(a), a) < std::pair(key(b), b); });
   const auto same = std::adjacent_find(by_place.begin(), by_place.end(), [&](Index a, Index b) { return key(a) == key(b); });
-  if (same != by_place.end())
-    throw Refusal("Vertices " + std::to_string(same[0]) + " and " + std::to_string(same[1]) + " of the rim are at the same place",
-                  {same[0], same[1]});
+  if (same != by_place.end()) throw CodedRefusal(Code::vertices_at_one_place, {same[0], same[1]});
 }
 
 }  // namespace tripatch

@@ -13,6 +13,7 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/ties.h"
 #include "tripatch/mesh/vertex_normals.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -160,18 +161,14 @@ SideTerms terms_of_sides(const BySide<SideContinuity>& given, std::vector<double
   return terms;
 }
 
-void tell_sharp(const std::vector<double>& angles, std::vector<std::string>& sentences) {
-  const auto tell = [&](const std::string& where, double angle) {
-    sentences.push_back("The mesh meets the hole at an angle of about " + std::to_string(std::lround(angle)) + " degrees along " +
-                        where + ": the fill is not continued there (Free); continuity G1 does it all the same");
-  };
+void tell_sharp(const std::vector<double>& angles, Messages& warnings) {
   const auto [least, most] = std::minmax_element(angles.begin(), angles.end());
   if (least != angles.end() && *least > 0) {
-    tell("all sides", *most);
+    warnings.push_back({Code::all_sides_sharp, {{"angle", std::lround(*most)}}});
     return;
   }
   for (std::size_t i = 0; i < angles.size(); ++i)
-    if (angles[i] > 0) tell("side " + std::to_string(i), angles[i]);
+    if (angles[i] > 0) warnings.push_back({Code::side_sharp, {{"angle", std::lround(angles[i])}, {"side", i}}});
 }
 
 std::vector<Index> not_continued(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,

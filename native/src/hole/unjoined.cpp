@@ -9,6 +9,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "tripatch/messages.h"
+
 namespace tripatch {
 namespace {
 
@@ -77,8 +79,8 @@ std::map<PlacedEdge, std::vector<Edge>> border_between(const FacesRef& faces, co
 
 }  // namespace
 
-std::vector<std::string> told_of_unjoined(const Mesh& mesh, std::span<const std::vector<Index>> rims) {
-  std::vector<std::string> told(rims.size());
+std::vector<std::optional<Message>> told_of_unjoined(const Mesh& mesh, std::span<const std::vector<Index>> rims) {
+  std::vector<std::optional<Message>> told(rims.size());
   const std::vector<Index> at = rim_vertices_at(mesh, rims);
   std::vector<int> count(at.size());
   for (Index v : at)
@@ -98,9 +100,10 @@ std::vector<std::string> told_of_unjoined(const Mesh& mesh, std::span<const std:
       if (upon++ == 0) one = edge;
     }
     if (upon == 0) continue;
-    const std::string many = upon == rim.size() ? "All" : std::to_string(upon) + " of the " + std::to_string(rim.size());
-    told[r] = many + " edges of the rim, as that between vertices " + std::to_string(one[0]) + " and " + std::to_string(one[1]) +
-              ", lie upon other borders: " + not_joined + "; Merge by Distance joins them";
+    const bool is_all = upon == rim.size();
+    told[r] = Message{is_all ? Code::rim_on_borders : Code::edges_on_borders,
+                      {{"count", upon}, {"edges", rim.size()}, {"edge", std::vector<Index>{one[0], one[1]}}},
+                      {one[0], one[1]}};
   }
   return told;
 }

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "tripatch/math/linear.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -260,7 +261,7 @@ PiecewisePolynomial PiecewisePolynomial::fit(const std::function<void(std::span<
     }
     f(t, values);
     for (double v : values) {
-      if (!std::isfinite(v)) throw Refusal(beyond_measure);
+      if (!std::isfinite(v)) throw CodedRefusal(Code::numbers_overflow);
       scale = std::max(scale, std::abs(v));
     }
     std::vector<Piece> next;

@@ -1,5 +1,7 @@
 #include "tripatch/output/fill_result.h"
 
+#include "tripatch/messages.h"
+
 namespace tripatch {
 
 bool is_finite(const Fill& fill) {
@@ -10,10 +12,7 @@ bool is_finite(const Fill& fill) {
 
 void refuse_infinite(const Fill& fill, const std::vector<Index>& rim) {
   if (is_finite(fill)) return;
-  throw Refusal(
-      "Coordinates around the hole are too large or too small to compute with: the fill has no finite positions or normals; "
-      "move what lies far away, or scale the mesh",
-      {rim[0]});
+  throw CodedRefusal(Code::coordinates_out_of_range, {rim[0]});
 }
 
 }  // namespace tripatch

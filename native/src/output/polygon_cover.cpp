@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "tripatch/messages.h"
+
 namespace tripatch {
 namespace {
 
@@ -189,7 +191,7 @@ PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& poin
     border = with_row(points, place, patch.positions(surface_rows(rim.row(place + 1))));
     for (RimCorner& corner : corners) corner.place += corner.place > place;
   } else if (odd) {
-    cover.warnings.emplace_back(one_triangle);
+    cover.warnings.push_back({Code::one_triangle});
   }
   cover.rim = rim.rows();
   // rows along the rim put two quads into each corner: none is added that is not asked for
@@ -216,8 +218,8 @@ PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& poin
     cover.poles = std::move(layout.poles);
     cover.rows = rows;
   }
-  if (!near && !as_rim) cover.warnings.emplace_back(too_few_rows);
-  if (!meets) cover.warnings.emplace_back("The points inside lie on the quads' surface, but no vertices of them lie there");
+  if (!near && !as_rim) cover.warnings.push_back({Code::tolerance_out_of_reach});
+  if (!meets) cover.warnings.push_back({Code::points_without_vertices});
   return cover;
 }
 

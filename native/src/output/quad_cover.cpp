@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tripatch/math/ties.h"
+#include "tripatch/messages.h"
 #include "tripatch/quads/quad_layout.h"
 
 namespace tripatch {
@@ -25,13 +26,6 @@ double deviation(const Cover& cover, const Surface& patch) {
 }
 
 }  // namespace
-
-const char* const crossing_rows = "With the rows that the tolerance asks for the cage would fold or cross itself: it has none";
-const char* const too_few_rows = "Four extra rows of quads do not reach the tolerance; set the resolution by hand";
-
-std::string fewer_rows(int rows, int wanted) {
-  return "Only " + std::to_string(rows) + " of " + std::to_string(wanted) + " extra rows of quads fit";
-}
 
 std::size_t longest_edge(const PointsRef& rim) {
   const Index n = rim.rows();
@@ -78,7 +72,7 @@ Cover cover_with_quads(const Mesh& mesh, const Hole& hole, std::array<std::vecto
     if (rows == 0) plain = cover;
   }
   if (!options.tolerance) return plain;  // what the rim is too coarse for no rows reach
-  cover.warnings.emplace_back(too_few_rows);
+  cover.warnings.push_back({Code::tolerance_out_of_reach});
   return cover;
 }
 

@@ -12,6 +12,7 @@
 #include "tripatch/constructions/methods.h"
 #include "tripatch/math/plane.h"
 #include "tripatch/mesh/vertex_normals.h"
+#include "tripatch/messages.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/plane_patch.h"
 
@@ -358,8 +359,7 @@ void check_reach(double size, const Vec3& near, const FillOptions& options) {
     if (!(bulge < farthest)) throw InvalidArgument("bulge must be less than a million");
   const double most = farthest * size;
   if (std::abs(options.center_offset) > most || (options.center && !((*options.center - near).stableNorm() <= most)))
-    throw Refusal(std::string(options.center ? "center" : "center_offset") + " is more than a million times the size of the hole",
-                  {});
+    throw CodedRefusal(Code::center_too_far, {{"option", options.center ? "center" : "center_offset"}});
 }
 
 void shape(const Mesh& mesh, const Connectivity& around, std::span<const std::size_t> islands, const FillOptions& options,

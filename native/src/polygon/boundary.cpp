@@ -10,6 +10,7 @@
 #include "tripatch/boundary/side.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -123,15 +124,14 @@ SideList closed(SideList sides) {
   if (n < 2 || n > most_sides)
     throw InvalidArgument("a patch has from 2 to " + std::to_string(most_sides) + " sides; " + std::to_string(n) + " are given");
   const double size = size_of(sides);
-  if (!(size > 0)) throw Refusal("The sides have no length");
-  if (!std::isfinite(size)) throw Refusal(beyond_measure);
+  if (!(size > 0)) throw CodedRefusal(Code::sides_without_length);
+  if (!std::isfinite(size)) throw CodedRefusal(Code::numbers_overflow);
   std::vector<Vec3> corner(n);
   for (int k = 0; k < n; ++k) {
     const int before = (k + n - 1) % n;
     const Vec3 end = sides[before].c(1), start = sides[k].c(0);
     if (!((end - start).norm() <= sides_meet * size))
-      throw Refusal("Sides " + std::to_string(before) + " and " + std::to_string(k) + " " +
-                    gap_at_corner(k, (end - start).norm()));
+      throw CodedRefusal(Code::sides_apart, {{"first", before}, {"second", k}, {"corner", k}, {"gap", (end - start).norm()}});
     corner[k] = 0.5 * (end + start);
   }
   for (int i = 0; i < n; ++i) {

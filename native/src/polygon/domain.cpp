@@ -7,6 +7,7 @@
 
 #include "tripatch/math/linear.h"
 #include "tripatch/math/piecewise_polynomial.h"
+#include "tripatch/messages.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
@@ -49,7 +50,7 @@ Eigen::VectorXd closing_lengths(const std::vector<double>& turns, const std::vec
 /// Angles and lengths of what numbers beyond all measure made.
 void check_measured(const std::vector<double>& measured) {
   for (double each : measured)
-    if (!std::isfinite(each)) throw Refusal(beyond_measure);
+    if (!std::isfinite(each)) throw CodedRefusal(Code::numbers_overflow);
 }
 
 }  // namespace

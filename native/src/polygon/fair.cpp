@@ -9,6 +9,7 @@
 #include "tripatch/fairing/folds.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/messages.h"
 #include "tripatch/patch/through.h"
 #include "tripatch/polygon/problem.h"
 
@@ -124,8 +125,7 @@ PolygonFairResult fair_polygon(const PolygonBase& base, const PolygonBase& measu
   plain.folds = count_polygon_folds(*base.patch(), domain, base.sides);
   if (candidates.beyond && plain.folds == 0) {
     plain.gave_up = true;
-    plain.warnings = {
-        "The surroundings vary too rapidly over the length of the hole to be continued fairly; the plain patch is used"};
+    plain.warnings = {{Code::surroundings_vary}};
     return plain;
   }
   for (const Candidate& candidate : candidates.best_first) {
@@ -136,7 +136,7 @@ PolygonFairResult fair_polygon(const PolygonBase& base, const PolygonBase& measu
     now.after = candidate.energy;
     now.folds = count_polygon_folds(*now.patch, domain, base.sides);
     if (now.folds <= plain.folds) return now;
-    plain.warnings = {"The fairest patch would fold over itself; a less fair one is used"};
+    plain.warnings = {{Code::fairest_folds}};
   }
   return plain;
 }
@@ -186,8 +186,7 @@ SurfacePtr lift_to(const SurfacePtr& patch, const PolygonDomain& domain, const s
         for (int k = 1; k <= 2; ++k) add(k, *p.normal, 0);
     }
     const Eigen::MatrixXd x = least_squares(rows, right), met = rows * x;
-    if (!x.allFinite() || (met - right).norm() > points_met * size)
-      throw Refusal("The inner points cannot all be met: two of them are in one place, or beside the rim");
+    if (!x.allFinite() || (met - right).norm() > points_met * size) throw CodedRefusal(Code::points_in_one_place);
     for (int c = 0; c < 3; ++c) coefficients.col(c) += x.col(0).segment(c * count, count);
     lift = std::make_shared<Lift>(domain, degree, coefficients);
     out = sum(patch, lift);

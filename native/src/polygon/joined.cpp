@@ -11,6 +11,7 @@
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/quadrature.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -132,14 +133,13 @@ private:
 };
 
 void check_joint(const Side& before, const Side& after, std::size_t k, double length) {
-  const std::string which = "Pieces " + std::to_string(k) + " and " + std::to_string(k + 1) + " of a side ";
   const double gap = (after.c(0) - before.c(1)).norm();
-  if (!(gap <= sides_meet * length)) throw Refusal(which + "do not meet: the gap is " + std::to_string(gap));
+  if (!(gap <= sides_meet * length)) throw CodedRefusal(Code::pieces_apart, {{"first", k}, {"second", k + 1}, {"gap", gap}});
   const double turn = degrees_between(before.c.derivative_at(1), after.c.derivative_at(0)),
                plane = degrees_between(before.normal(1), after.normal(0));
   if (turn > still_smooth || plane > still_smooth)
-    throw Refusal(which + "meet at an angle of " + std::to_string(std::lround(std::max(turn, plane))) +
-                  " degrees: they are two sides");
+    throw CodedRefusal(Code::pieces_meet_at_angle,
+                       {{"first", k}, {"second", k + 1}, {"angle", std::lround(std::max(turn, plane))}});
 }
 
 /// Where c is another polynomial, or r.

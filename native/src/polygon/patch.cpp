@@ -9,6 +9,7 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/kept.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/messages.h"
 #include "tripatch/patch/seam.h"
 #include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/of_three.h"
@@ -66,20 +67,19 @@ SideList smoothed_list(const SideList& sides) {
 /// What is asked of each side.
 struct Asked {
   std::vector<bool> tangent, free, exact, automatic;
-  std::vector<std::string> names;
+  std::vector<SeamContinuity> kept;
 };
 
 Asked asked(const std::vector<SideContinuity>& continuity, const SideList& sides) {
   Asked out;
   for (std::size_t i = 0; i < sides.size(); ++i) {
     const SideContinuity c = continuity[i];
-    if (c == SideContinuity::g2 && sides[i].q.empty())
-      throw Refusal("The curvature of side " + std::to_string(i) + "'s surroundings is not known: G2 cannot be met there");
+    if (c == SideContinuity::g2 && sides[i].q.empty()) throw CodedRefusal(Code::curvature_unknown, {{"side", i}});
     out.free.push_back(c == SideContinuity::free);
     out.tangent.push_back(c != SideContinuity::free && c != SideContinuity::g0);
     out.exact.push_back(c == SideContinuity::g2);
     out.automatic.push_back(c == SideContinuity::automatic);
-    out.names.push_back(c == SideContinuity::automatic ? "G1" : name_of(c));
+    out.kept.push_back(kept_by(c));
   }
   return out;
 }
@@ -158,12 +158,11 @@ Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3
 
 /// Of corners at which two sides go on as pieces of one side do. Sixteen patches of 8 to 11 sides had one that turned by 0.3 to 3 degrees; with
 /// the two sides as one they came 1.7 to 130 times nearer.
-void tell_straight_corners(const std::vector<double>& turn_deg, std::vector<std::string>& sentences) {
+void tell_straight_corners(const std::vector<double>& turn_deg, Messages& warnings) {
   if (turn_deg.size() < 4) return;
   for (std::size_t k = 0; k < turn_deg.size(); ++k)
     if (std::abs(turn_deg[k]) < still_smooth)
-      sentences.push_back("Corner " + std::to_string(k) + " turns by less than " + std::to_string(std::lround(still_smooth)) +
-                          " degrees, so that the patch has to bend beside it: leave it out and make its two sides one");
+      warnings.push_back({Code::straight_corner, {{"corner", k}, {"angle", std::lround(still_smooth)}}});
 }
 
 PolygonPatch made_with(const SideList& sides, const PolygonPatchOptions& options, const Asked& asked,
@@ -286,7 +285,7 @@ PolygonPatch polygon_patch(const SideList& given, const PolygonPatchOptions& opt
     for (std::size_t k = through.size() - options.through.size(); k < through.size(); ++k) made.met.push_back(through[k].uv);
   }
   made.patch = std::make_shared<OverPolygon>(made.domain, made.patch);
-  made.continuity = wanted.names;
+  made.continuity = wanted.kept;
   measure_seam(surroundings, made);
   return made;
 }

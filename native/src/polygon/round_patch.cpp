@@ -7,6 +7,7 @@
 #include "tripatch/fairing/folds.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/messages.h"
 #include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/revolved.h"
 #include "tripatch/polygon/round_problem.h"
@@ -37,12 +38,11 @@ double rim_diameter(const PiecewisePolynomial& c) {
 }
 
 void check_round(const Side& side, double size) {
-  if (!(size > 0)) throw Refusal("The side has no length");
-  if ((side.c(1) - side.c(0)).norm() > sides_meet * size)
-    throw Refusal("A single side is the rim of a round hole: its end must be its beginning");
+  if (!(size > 0)) throw CodedRefusal(Code::sides_without_length);
+  if ((side.c(1) - side.c(0)).norm() > sides_meet * size) throw CodedRefusal(Code::single_side_open);
   if (degrees_between(side.c.derivative_at(1), side.c.derivative_at(0)) > still_smooth ||
       degrees_between(side.normal(1), side.normal(0)) > still_smooth)
-    throw Refusal("A round rim has no corner; this one has one where it begins");
+    throw CodedRefusal(Code::single_side_has_corner);
 }
 
 }  // namespace
@@ -190,8 +190,7 @@ void made_fair(RoundPatch& made, std::vector<Harmonic>& terms, const RoundBase& 
   made.gave_up = found.beyond && made.folds == 0;
   made.of_revolution = axis.has_value();
   if (made.gave_up) {
-    made.warnings = {
-        "The surroundings vary too rapidly over the length of the hole to be continued fairly; the plain patch is used"};
+    made.warnings = {{Code::surroundings_vary}};
     return;
   }
   made.fairing = name_of(fairing.energy);
@@ -201,7 +200,7 @@ void made_fair(RoundPatch& made, std::vector<Harmonic>& terms, const RoundBase& 
     now = terms_through(std::move(now), base.through, base.size);
     const Index folds = count_round_folds(RoundSurface(now));
     if (folds > made.folds) {
-      made.warnings = {"The fairest patch would fold over itself; a less fair one is used"};
+      made.warnings = {{Code::fairest_folds}};
       continue;
     }
     terms = std::move(now);
@@ -273,8 +272,7 @@ RoundPatch round_patch(const Side& side, const PolygonPatchOptions& options, int
   RoundAsked asked = {
       single(options.continuity, SideContinuity::automatic, "continuity"), single(options.bulge, 1.0, "bulge"), {}, order};
   if (options.center) asked.through.push_back({Vec2::Zero(), *options.center, {}});
-  if (asked.continuity == SideContinuity::g2 && side.q.empty())
-    throw Refusal("The curvature of the side's surroundings is not known: G2 cannot be met there");
+  if (asked.continuity == SideContinuity::g2 && side.q.empty()) throw CodedRefusal(Code::curvature_unknown, {{"side", 0}});
   RoundPatch made = round_made(side, options, asked, size);
   if (options.center_offset != 0 || !options.through.empty()) {
     if (options.center_offset != 0) {
@@ -286,7 +284,7 @@ RoundPatch round_patch(const Side& side, const PolygonPatchOptions& options, int
     for (std::size_t k = asked.through.size() - options.through.size(); k < asked.through.size(); ++k)
       made.met.push_back(asked.through[k].uv);
   }
-  made.continuity = asked.continuity == SideContinuity::automatic ? "G1" : name_of(asked.continuity);
+  made.continuity = kept_by(asked.continuity);
   measure_round_seam(made);
   return made;
 }

@@ -11,6 +11,7 @@
 #include "tripatch/fairing/fairing_problem.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/quadrature.h"
+#include "tripatch/messages.h"
 #include "tripatch/patch/through.h"
 
 namespace tripatch {
@@ -149,8 +150,7 @@ std::vector<Harmonic> terms_through(std::vector<Harmonic> terms, const std::vect
   for (int round = 0; round < 2; ++round) {  // a second time for the last digits
     const Eigen::MatrixXd lacking = wanted - conditions_on(RoundSurface(terms), points), x = least_squares(rows, lacking);
     const Eigen::MatrixXd met = rows * x;
-    if (!x.allFinite() || (met - lacking).norm() > points_met * size)
-      throw Refusal("The inner points cannot all be met: two of them are in one place, or beside the rim");
+    if (!x.allFinite() || (met - lacking).norm() > points_met * size) throw CodedRefusal(Code::points_in_one_place);
     Points coefficients(count, 3);
     for (int c = 0; c < 3; ++c) coefficients.col(c) = x.col(0).segment(c * count, count);
     terms = sum_of(std::move(terms), round_terms(coefficients, degree));

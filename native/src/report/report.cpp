@@ -6,6 +6,7 @@
 
 #include "tripatch/math/angle.h"
 #include "tripatch/math/ties.h"
+#include "tripatch/messages.h"
 #include "tripatch/patch/seam.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
@@ -16,15 +17,6 @@ namespace {
 
 /// Degrees between the tangent planes of two sides at their corner from which on a person is told.
 constexpr double corner_mismatch_warned = 1;
-/// Degrees: from here on a sentence has three digits instead of two, for 99.6 of two are 1e+02.
-constexpr double three_digits = 99.5;
-
-std::string degrees(double angle) {
-  std::ostringstream text;
-  text.precision(angle < three_digits ? 2 : 3);
-  text << angle << " degrees";
-  return text.str();
-}
 
 /// Barycentric coordinates of side i at parameters t.
 Points places_on_side(int i, const std::vector<double>& t) {
@@ -45,27 +37,22 @@ void take_corners(const std::vector<Index>& rim, std::span<const Index> corners,
 
 void tell_corners(Report& report) {
   const std::size_t n = report.corner_planes_angle.size();
-  const auto tangential = [&](std::size_t side) {
-    const std::string& continuity = report.continuity[side % n];
-    return continuity != "Free" && continuity != "G0";
-  };
+  const auto tangential = [&](std::size_t side) { return !in_position(report.continuity[side % n]); };
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t after = n == 3 ? k + 2 : k, before = n == 3 ? k + 1 : k + n - 1;
     if (!(report.corner_planes_angle[k] > corner_mismatch_warned) || !tangential(after) || !tangential(before)) continue;
-    const std::string vertex = k < report.corners.size() ? " (vertex " + std::to_string(report.corners[k]) + ")" : "";
-    report.warnings.push_back("The tangent planes of the two sides differ by " + degrees(report.corner_planes_angle[k]) +
-                              " at corner " + std::to_string(k) + vertex + ": the normals of the fill turn by " +
-                              degrees(report.corner_normals_spread[k]) + " around it");
+    const std::vector<Index> where = k < report.corners.size() ? std::vector<Index>{report.corners[k]} : std::vector<Index>();
+    report.warnings.push_back(
+        {Code::corner_planes_differ,
+         {{"angle", report.corner_planes_angle[k]}, {"corner", k}, {"spread", report.corner_normals_spread[k]}},
+         where});
   }
 }
 
 void tell_gap(double size, Report& report) {
   if (!(report.boundary_gap > sides_meet * size)) return;
-  report.continuity.assign(report.continuity.size(), "none");
-  std::ostringstream text;
-  text.precision(2);
-  text << "The patch misses its boundary by " << report.boundary_gap << " (scene units); choose another method or reading";
-  report.warnings.push_back(text.str());
+  report.continuity.assign(report.continuity.size(), SeamContinuity::none);
+  report.warnings.push_back({Code::misses_boundary, {{"gap", report.boundary_gap}}});
 }
 
 Index nearest_of(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where) {
@@ -73,9 +60,8 @@ Index nearest_of(const PointsRef& vertices, const std::vector<Index>& rim, const
   return *std::min_element(rim.begin(), rim.end(), [&](Index a, Index b) { return clearly_less(far(a), far(b)); });
 }
 
-void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report,
-                   const std::string& what) {
-  report.warnings.push_back(what + " near vertex " + std::to_string(nearest_of(vertices, rim, where)) + " of the rim");
+void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report, Code what) {
+  report.warnings.push_back({what, {}, {nearest_of(vertices, rim, where)}});
 }
 
 void tell_turned_over(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, Report& report) {
@@ -84,20 +70,11 @@ void tell_turned_over(const Mesh& mesh, const Connectivity& around, const std::v
     if (turned[k] && is_of_convex_body(mesh, around, around.face(*around.edge(rim[(k + 1) % rim.size()], rim[k])))) turned[k] = 0;
   const std::ptrdiff_t count = std::ranges::count(turned, 1), first = std::ranges::find(turned, 1) - turned.begin();
   if (count == 0) return;
-  const std::string from = std::to_string(rim[first]), to = std::to_string(rim[(first + 1) % rim.size()]);
-  const std::string where = "the edge between vertices " + from + " and " + to;
-  report.warnings.push_back((count == 1 ? "The face beside the rim at " + where +
-                                              " is folded over those around it: the fill goes on as those do, and "
-                                              "folds there too. Delete or smooth it first"
-                                        : std::to_string(count) + " faces beside the rim, one at " + where +
-                                              ", are folded over those around them: the "
-                                              "fill goes on as those do, and folds there too. Delete or smooth them first"));
+  report.warnings.push_back({Code::faces_folded_beyond, {{"faces", count}}, {rim[first], rim[(first + 1) % rim.size()]}});
 }
 
 void tell_folds(Report& report) {
-  if (report.folds > 0)
-    report.warnings.push_back("The patch folds over itself at " + std::to_string(report.folds) +
-                              (report.folds == 1 ? " place" : " places"));
+  if (report.folds > 0) report.warnings.push_back({Code::patch_folds, {{"places", report.folds}}});
 }
 
 void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,

@@ -6,6 +6,7 @@
 
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -137,9 +138,7 @@ MetPoints::MetPoints(const Surface& surface, const PlanePoints& rim, const Plane
     if (points[i].normal) held.push_back(i);
     for (Index j = 0; j < i; ++j)
       if ((values_.row(n + i) - values_.row(n + j)).norm() < one_place)
-        throw Refusal("Points " + std::to_string(j) + " and " + std::to_string(i) +
-                          " inside lie over one place of the hole: a surface goes through one of them",
-                      {});
+        throw CodedRefusal(Code::points_over_one_place, {{"first", j}, {"second", i}});
   }
   held_ = static_cast<Index>(held.size());
   slopes_.resize(n + held_, 2);
@@ -165,7 +164,7 @@ MetPoints::MetPoints(const Surface& surface, const PlanePoints& rim, const Plane
   // what rounding leaves of the identity, once more
   const MatrixXd chosen = all(rows, Eigen::all), made = chosen * cardinal_;
   cardinal_ = (cardinal_ * SquareSystem(made).inverse()).eval();
-  if (!cardinal_.allFinite()) throw Refusal("The points inside cannot all be met", {});
+  if (!cardinal_.allFinite()) throw CodedRefusal(Code::points_not_met);
   coefficients_ = cardinal_ * wanted;
   if (planes.rows() == rim.rows()) coefficients_ += system.solve(leaning(surface, kept, planes(of_rim, Eigen::all)));
 }

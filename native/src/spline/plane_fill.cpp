@@ -12,6 +12,7 @@
 #include "tripatch/math/ties.h"
 #include "tripatch/mesh/coarsened.h"
 #include "tripatch/mesh/triangles.h"
+#include "tripatch/messages.h"
 #include "tripatch/output/domain_mesh.h"
 #include "tripatch/output/remesh.h"
 #include "tripatch/report/crossings.h"
@@ -842,24 +843,15 @@ struct Way {
   double reach;
   int rings;
   std::vector<double> orders;
-  const char* sentence;
+  std::optional<Message> why;
 };
-
-constexpr const char* least_bent_sentence =
-    "The triangles of the fill bend as little as they can: a surface that follows the surroundings would fold over the mesh";
-constexpr const char* edges_too_short =
-    "Half of the rim's edges are nothing beside its size (vertices at one place, or one that lies far away): the hole is closed "
-    "with plain triangles";
-constexpr const char* mended = "A few triangles beside the rim are not those of the surface: on it they would fold";
 
 /// Of the ways the likeliest that will do, else `best`, the plain triangles.
 PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
                     const PlaneFillOptions& options, const Rim& rim, PlaneFill best) {
   const std::array<Way, 4> ways = {
-      Way{reach_share, most_rings, FieldOptions().orders, ""},
-      Way{0, 2, {2, 3}, "Two rings of the surroundings are followed: with more the fill would fold or run away"},
-      Way{0, 1, {2}, "Only the first ring of the surroundings is followed, as flat as possible: otherwise the fill would fold"},
-      Way{0, 0, of_rim_alone, "The fill follows its rim alone: with the surroundings it would fold or run away"}};
+      Way{reach_share, most_rings, FieldOptions().orders, {}}, Way{0, 2, {2, 3}, Message{Code::two_rings_followed}},
+      Way{0, 1, {2}, Message{Code::one_ring_followed}}, Way{0, 0, of_rim_alone, Message{Code::rim_alone_followed}}};
   const Connectivity& continued = options.continued ? *options.continued : around;
   const bool finer = is_finer(rim, options);  // the surface is that of triangles like the rim's, which bend in far less time
   PlaneFillOptions coarse = options;
@@ -913,8 +905,8 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
     if (fails && !bends_least) continue;
     if (bends_least && !prefers_second && best.surface) continue;
     PlaneFill fill = completed(*result, rim, disc);
-    fill.plainer = bends_least ? least_bent_sentence : way.sentence;
-    if (fill.plainer.empty() && left < folds) fill.plainer = mended;
+    fill.plainer = bends_least ? Message{Code::least_bending} : way.why;
+    if (!fill.plainer && left < folds) fill.plainer = Message{Code::triangles_off_surface};
     if (bends_least ? prefers_second : folds <= most) return fill;
     is_known = sees_rim_alone && way.reach == 0;  // of the first way details do not ask for least bending
     // A plainer way that need not be mended is nearer, and where there is noise alone one that need not bend least; else the plainest.
@@ -1015,7 +1007,7 @@ std::optional<PlaneFill> on_field(const Disc& disc, const Rim& rim, const PlaneF
   const Index folds = folded_edges(result.made.points, result.made.triangles, rim.beyond), left = unfolded(rim, result);
   if (left > most_folds(rim, result) || crosses(rim, result)) return {};
   PlaneFill fill = completed(result, rim, disc);
-  if (left < folds) fill.plainer = mended;
+  if (left < folds) fill.plainer = Message{Code::triangles_off_surface};
   return fill;
 }
 
@@ -1039,7 +1031,7 @@ std::optional<PlaneFill> on_coarser_rim(const Mesh& mesh, const Connectivity& ar
   if (is_long(hole)) return {};
   const Mesh coarse{hole.vertices, hole.faces};
   const PlaneFill from = fill_over_plane(coarse, Connectivity(coarse), hole.loops);
-  if (!from.field || !from.plainer.empty()) return {};
+  if (!from.field || from.plainer) return {};
   const PlanePoints rim_uv = feet_on(*from.surface, rim.points, between_known(rim, hole.rows, from.rim_uv));
   const bool is_met = from.field->noise() < met_noise * length;
   const std::vector<Index> centers = spread_samples(disc, hole, length, is_met ? most_samples : most_centers);
@@ -1048,9 +1040,9 @@ std::optional<PlaneFill> on_coarser_rim(const Mesh& mesh, const Connectivity& ar
   std::optional<PlaneFill> fill;
   if (const auto field = field_through(disc.points(rows, Eigen::all), places, static_cast<Index>(centers.size()), rim.edge))
     fill = on_field(disc, rim, options, field, rim_uv, from.fed_back);
-  if (fill && fill->plainer.empty()) return fill;
+  if (fill && !fill->plainer) return fill;
   std::optional<PlaneFill> other = on_field(disc, rim, options, from.field, rim_uv, from.fed_back);
-  return other && (!fill || other->plainer.empty()) ? other : fill;
+  return other && (!fill || !other->plainer) ? other : fill;
 }
 
 }  // namespace
@@ -1076,12 +1068,11 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
   const Points plain_points = points_of(rim, best);
   rim.folds_of_plain = folded_edges(plain_points, best.triangles, {});
   const bool too_short = rim.diameter > 0 && !(rim.edge > least_edge * rim.diameter);
-  best.plainer =
-      too_short ? edges_too_short : "No surface of the surroundings could be laid out: the hole is closed with plain triangles";
-  if (!rim.through.empty()) best.plainer += ", which do not meet the points inside";
+  best.plainer = Message{too_short ? Code::tiny_edges_plain_triangles : Code::plain_triangles};
+  if (!rim.through.empty()) best.plainer->parameters.push_back({"through", ""});
   if (!(rim.diameter > 0) || too_short) return best;
   if (rim.points.rows() == 3 && !options.resolution && rim.through.empty()) {
-    best.plainer.clear();
+    best.plainer.reset();
     return best;
   }
   // Triangles that cross themselves may lay out what does not.

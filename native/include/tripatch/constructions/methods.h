@@ -8,8 +8,9 @@
 #include <vector>
 
 #include "tripatch/boundary/ribbon.h"
-#include "tripatch/choices.h"
+#include "tripatch/messages.h"
 #include "tripatch/patch/surface.h"
+#include "tripatch/report/report.h"
 
 namespace tripatch {
 
@@ -19,8 +20,8 @@ struct FairingBase;
 struct MethodOptions {
 #define METHOD_OPTION(type, name, value, ...) type name = value;
 #include "tripatch/options.def"
-  bool to_be_faired = false;                     ///< side_vertex: with rays of degree 5, see curved_side_vertex
-  std::vector<std::string>* warnings = nullptr;  ///< where a construction says what its user should know
+  bool to_be_faired = false;     ///< side_vertex: with rays of degree 5, see curved_side_vertex
+  Messages* warnings = nullptr;  ///< where a construction says what its user should know
 };
 
 struct Method {
@@ -28,7 +29,7 @@ struct Method {
   const char* description;
   const char* citation;
   bool fills_holes;                  ///< can be made from the three sides of a hole, or from its surroundings whatever its rim
-  const char* continuity;            ///< "G0" or "G1": what it keeps along the sides
+  SeamContinuity continuity;         ///< g0 or g1: what it keeps along the sides
   std::vector<std::string> options;  ///< names of the options of `fill` that it reads and not every method does
   /// From the boundary of a hole; none where fills_holes is false.
   SurfacePtr (*from_boundary)(const Boundary&, const MethodOptions&);
@@ -58,7 +59,7 @@ struct Continuity {
   std::array<bool, 3> curvature;  ///< and their curvature, exactly
   std::array<bool, 3> automatic;  ///< a fairing chooses whether to follow their curvature
   /// Free, G0, G1 or G2, by side.
-  std::array<std::string, 3> names() const;
+  std::array<SeamContinuity, 3> kept() const;
 };
 /// asked: by side; "auto" takes the method's own. Refuses more than the method keeps, and G2 where the
 /// surroundings' curvature is not known.

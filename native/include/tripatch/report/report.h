@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "tripatch/boundary/side.h"
+#include "tripatch/choices.h"
 #include "tripatch/mesh/connectivity.h"
+#include "tripatch/messages.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
@@ -36,15 +38,34 @@ struct FillCandidate {
   std::string why;
 };
 
+/// What a fill keeps along a side. unknown: not measured; none: the patch misses its boundary.
+enum class SeamContinuity { unknown, none, free, g0, g1, g2 };
+template <>
+inline constexpr std::array<Choice, 6> choices<SeamContinuity> = {
+    {{"", "", ""}, {"none", "", ""}, {"Free", "", ""}, {"G0", "", ""}, {"G1", "", ""}, {"G2", "", ""}}};
+
+/// Whether a side is met in position only: nothing of the surroundings is continued.
+constexpr bool in_position(SeamContinuity c) { return c == SeamContinuity::free || c == SeamContinuity::g0; }
+
+/// Of a patch that is tangent to its sides where nothing else is asked for.
+constexpr SeamContinuity kept_by(SideContinuity asked) {
+  switch (asked) {
+    case SideContinuity::free: return SeamContinuity::free;
+    case SideContinuity::g0: return SeamContinuity::g0;
+    case SideContinuity::g2: return SeamContinuity::g2;
+    default: return SeamContinuity::g1;
+  }
+}
+
 struct Report {
   double seam_angle_max = 0;  ///< degrees, fill against the surroundings used
   double seam_angle_rms = 0;
   std::vector<double> seam_angle_max_by_side = {0, 0, 0};
   std::vector<double> seam_angle_rms_by_side = {0, 0, 0};
-  std::vector<std::string> continuity = {
-      "", "", ""};                          ///< by side: Free, G0, G1 or G2, what was asked or what auto took; none: see tell_gap
-  double boundary_gap = 0;                  ///< largest distance of the patch from its boundary, scene units
-  std::vector<double> corner_planes_angle;  ///< by corner, degrees: between the tangent planes of the two sides that meet there
+  std::vector<SeamContinuity> continuity =
+      std::vector(3, SeamContinuity::unknown);  ///< by side, what was asked or what auto took
+  double boundary_gap = 0;                      ///< largest distance of the patch from its boundary, scene units
+  std::vector<double> corner_planes_angle;    ///< by corner, degrees: between the tangent planes of the two sides that meet there
   std::vector<double> corner_normals_spread;  ///< by corner, degrees: the largest angle between normals of the patch around it
   double surroundings_error = 0;              ///< degrees; 0 where the surroundings are known exactly
   std::string fairing;                        ///< name of the energy that was made small, empty: none
@@ -74,7 +95,7 @@ struct Report {
   int rows = 0;                      ///< quads and cages: extra rows of quads round the poles that were taken
   bool crosses_itself = false;  ///< new faces go through each other (report/crossings.h); of a cage those of its limit surface
   std::vector<std::array<Index, 2>> poles;  ///< vertex, valence
-  std::vector<std::string> warnings;
+  Messages warnings;
   std::map<std::string, std::string>
       not_applied;  ///< options that mean nothing for the fill, and why: see not_applied in options.h
   double seconds = 0;
@@ -99,8 +120,7 @@ std::optional<Vec3> place_of_crossing(const Mesh& mesh, const PointsRef& added, 
 /// The vertex of a rim that is nearest to a place.
 Index nearest_of(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where);
 /// Tells of faces that go through each other, and near which vertex of the rim.
-void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report,
-                   const std::string& what = "The fill crosses itself");
+void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, const Vec3& where, Report& report, Code what);
 /// Tells of faces beyond the rim that are turned over, and where one is; of those of a convex body nothing, which are only sharp.
 void tell_turned_over(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, Report& report);
 /// Tells of a patch that folds.

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import __version__, _native, arguments, words
+from .. import __version__, arguments, words
 from ..filling import fill_all
 from ..holes import choose_holes
 from ..words import counted
@@ -200,7 +200,7 @@ def _of_unjoined(heads: Sequence[dict[str, Any]]) -> list[str]:
         return []
     lie = "lies" if sum(rims) == 1 else "lie"
     where = f"{counted(sum(rims), 'rim')} in {counted(len(rims), 'file')}"
-    return [f"{where} {lie} upon other borders ({_native.not_joined}; Merge by Distance joins them)"]
+    return [f"{where} {lie} upon other borders (faces meet there without being joined; Merge by Distance joins them)"]
 
 
 def _listing(entries: Sequence[dict[str, Any]]) -> int:

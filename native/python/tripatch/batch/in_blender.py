@@ -89,6 +89,7 @@ def listed(module: Any, options: dict[str, Any]) -> list[dict[str, Any]]:
             loops = module.tripatch.choose_holes(points, faces, **choosing) if faces else []
         except module.tripatch.Refusal as refusal:
             holes.append({"object": ob.name, "hole": len(holes), "status": "refused", "reason": refusal.reason})
+            holes[-1]["codes"] = [each.code for each in refusal.messages]
             continue
         for loop in loops:
             place = {"object": ob.name, "hole": len(holes), "vertex": int(loop[0]), "edges": len(loop)}

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from .. import _native
 from ..errors import Refusal
 from .settings import Settings
 
@@ -24,6 +23,9 @@ UNREADABLE, NOT_WRITTEN, CRASHED, TIME_LIMIT, MEMORY_LIMIT = "unreadable", "not 
 #: What may go otherwise the next time: the next run tries these again.
 PASSING = (NOT_WRITTEN, CRASHED, TIME_LIMIT, MEMORY_LIMIT)
 LISTED, LEFT = "listed", "left"
+
+#: Codes of rims that lie upon other borders: faces meet there without being joined.
+_UNJOINED = {"edges_on_borders", "rim_on_borders"}
 
 #: Vertices of a refusal that a line names at most: a rim can have thousands.
 _WHERE = 32
@@ -61,6 +63,7 @@ _REPORTED = {
     "crosses_itself": None,
     "passes_through": None,
     "warnings": None,
+    "codes": None,
 }
 _OF_CAGES = ("cage_deviation_max", "surroundings_moved_max")
 _HOLE = {
@@ -118,6 +121,7 @@ def of_hole(settings: Settings, name: str, result: Any = None, **values: Any) ->
     """The line of a hole: `result` is a Fill or a Refusal."""
     if isinstance(result, Refusal):
         values |= {"status": REFUSED, "reason": result.reason, "where": list(result.where)[:_WHERE]}
+        values |= {"codes": [each.code for each in result.messages]}
     elif result is not None:
         values |= {"status": FILLED, "new_vertices": len(result.vertices), "new_faces": len(result.faces)}
         values |= reported({**result.report.as_dict(), "passes_through": result.passes_through})
@@ -145,9 +149,8 @@ def outcome(holes: list[dict[str, Any]]) -> dict[str, Any]:
         status = PARTLY if count[REFUSED] or folded or crossing else FILLED
     else:
         status = LISTED if count[LISTED] else REFUSED if count[REFUSED] else NOTHING
-    told = [" ".join([hole["reason"] or "", *(hole["warnings"] or [])]) for hole in holes]
     values = {"status": status, "holes": len(holes), "folded": folded, "left": count[LEFT]}
-    values |= {"unjoined": sum(_native.not_joined in each for each in told)}
+    values |= {"unjoined": sum(not _UNJOINED.isdisjoint(hole["codes"] or ()) for hole in holes)}
     values |= {"filled": count[FILLED], "refused": count[REFUSED]}
     values |= {name: sum(hole[name] or 0 for hole in holes) for name in ("new_vertices", "new_faces")}
     return values

@@ -14,6 +14,7 @@
 #include "tripatch/choices.h"
 #include "tripatch/math/plane.h"
 #include "tripatch/patch/surface.h"
+#include "tripatch/report/report.h"
 
 namespace tripatch {
 
@@ -48,7 +49,7 @@ struct AnnulusPatch {
   double rib_length = 0;      ///< the mean, scene units
   double rib_turn = 0;        ///< the mean over the ribs of the angle between their ends, degrees
   std::array<double, 2> seam_angle_max = {0, 0}, seam_angle_rms = {0, 0};  ///< degrees
-  std::array<std::string, 2> continuity;
+  std::array<SeamContinuity, 2> continuity = {};
 
   /// u where the rib ends at a parameter of the second side.
   double u_of_second(double t) const;

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 
+#include "tripatch/messages.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
@@ -33,8 +34,9 @@ private:
   std::string text_;
 };
 
-/// Why `what` (the cage), of these faces of a mesh, cannot be subdivided: in words and numbers of the mesh, and where; in OpenSubdiv's
-/// own, quoted, where the reason is none of those that it is known for.
-Refusal not_subdivided(const std::string& what, const FacesRef& faces, std::span<const Index> some, const Complaint& complaint);
+enum class Subdivided { cage, mesh };
+/// Why it, of these faces of a mesh, cannot be subdivided: in numbers of the mesh, and where; in OpenSubdiv's own words, quoted, where the
+/// reason is none of those that it is known for.
+CodedRefusal not_subdivided(Subdivided what, const FacesRef& faces, std::span<const Index> some, const Complaint& complaint);
 
 }  // namespace tripatch

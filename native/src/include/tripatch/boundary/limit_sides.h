@@ -3,6 +3,7 @@
 
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/boundary/mesh_sides.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 
@@ -11,7 +12,7 @@ struct LimitSides {
   /// Parameter on its side of every point that a Subdivision modifier of the level makes along the rim, 2^level an edge: the
   /// limit rim is a spline over the cage's edges, so each edge takes an equal share of t.
   std::array<std::vector<double>, 3> parameters;
-  std::vector<std::string> warnings;
+  Messages warnings;
   double surroundings_error = 0;  ///< degrees; 0 but for refined points without limit
   Points border;                  ///< those points, from corner 0 along side 2, 0 and 1, without repeat
 };

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "tripatch/boundary/side.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 
@@ -33,7 +34,7 @@ inline Side checked_edge(Side side, int edge, bool reversed) {
     length += (side.c(k / 8.0) - side.c((k - 1) / 8.0)).norm();
     size = std::max({size, side.c(k / 8.0).norm(), side.r(k / 8.0).norm()});
   }
-  if (!(length > no_length * size)) throw Refusal("Edge " + std::to_string(edge) + " of the surface is a single point");
+  if (!(length > no_length * size)) throw CodedRefusal(Code::edge_is_point, {{"edge", edge}});
   if (!reversed) return side;
   return {side.c.reversed(), side.r.reversed(), side.q.empty() ? side.q : side.q.reversed()};
 }

@@ -8,13 +8,14 @@
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/boundary/side.h"
 #include "tripatch/hole/hole.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 
 struct Surroundings {
   Sides sides;
   std::array<std::vector<double>, 3> parameters;  ///< of the points that the fill takes along each side
-  std::vector<std::string> warnings;
+  Messages warnings;
   double error = 0;  ///< degrees; 0 where they are known exactly
   Points border;     ///< points that the fill takes instead of the rim's own vertices; empty: those are reused
 };

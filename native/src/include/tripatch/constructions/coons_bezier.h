@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tripatch/boundary/ribbon.h"
+#include "tripatch/messages.h"
 #include "tripatch/patch/bezier_triangle.h"
 
 namespace tripatch {
@@ -35,7 +36,7 @@ constexpr double coons_alpha = -2.0 / 3.0;
 /// degree and alpha. alpha: for permanence only (none: -2/3). The extremals warn above degree 12, where their systems are ill-conditioned.
 /// Throws InvalidArgument for curves of different or too high degree, that do not meet, or that are not finite.
 BezierTriangle coons_bezier(const BoundaryCurves& boundary, CoonsKind kind, std::optional<double> alpha = {},
-                            std::vector<std::string>* warnings = nullptr);
+                            Messages* warnings = nullptr);
 
 /// The matrix C of Proposition 2: the functional of a net P is trace(P^T C P). Rows in the net's order; symmetric.
 Eigen::MatrixXd coons_form(int degree, bool symmetric = false);
@@ -52,7 +53,6 @@ Eigen::MatrixXd mask_equations(int degree, CoonsKind kind, double alpha = coons_
 BoundaryCurves bezier_sides(const Boundary& boundary);
 
 /// coons_bezier on the sides of a hole. The mask takes the next odd degree, where its system is regular.
-SurfacePtr coons_fill(const Boundary& boundary, CoonsKind kind, std::optional<double> alpha = {},
-                      std::vector<std::string>* warnings = nullptr);
+SurfacePtr coons_fill(const Boundary& boundary, CoonsKind kind, std::optional<double> alpha = {}, Messages* warnings = nullptr);
 
 }  // namespace tripatch

@@ -14,6 +14,7 @@
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/choices.h"
 #include "tripatch/fairing/folds.h"
+#include "tripatch/messages.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
@@ -67,7 +68,7 @@ struct FairResult {
   std::optional<Index> folds;  ///< of `patch`, where they had to be counted
   /// The energies tell nothing here: `patch` is the one that was given, without folds if that was possible.
   bool gave_up = false;
-  std::vector<std::string> warnings;
+  Messages warnings;
 };
 
 /// `measured` is what energies are measured on: the same as `base`, but made from smoothed sides (see smoothed), because third

@@ -27,13 +27,7 @@ Fill fill_ring(const Ground& ground, const std::vector<Index>& rim, const FillOp
 /// A hole with islands: a ring where there is one island, unless the surroundings as a whole tell of another surface.
 Fill fill_around_islands(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options);
 
-/// What is told of fills in the plane of a rim that the mesh meets at an angle.
-inline const std::string flat_all_around =
-    "The mesh meets the flat rim of the hole at an angle all around: the fill is flat; continuity G1 continues it all the same";
 /// In the plane of a flat rim.
 Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options);
-
-/// Whether a warning of such a fill says that it leaves out what meets it at an angle.
-bool is_of_sharp_sides(const std::string& warning);
 
 }  // namespace tripatch

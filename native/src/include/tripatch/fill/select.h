@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tripatch/messages.h"
 #include "tripatch/output/fill_result.h"
 
 namespace tripatch {
@@ -24,7 +25,7 @@ bool is_better(const Quality& a, const Quality& b);
 struct Tried {
   FillCandidate row;
   std::optional<Fill> fill;
-  std::optional<Refusal> refusal;
+  std::optional<CodedRefusal> refusal;
 };
 using TriedFills = std::vector<Tried>;
 

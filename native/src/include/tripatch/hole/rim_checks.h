@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tripatch/mesh/connectivity.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 
@@ -22,7 +23,7 @@ void check_finite(const Mesh& mesh, const Connectivity& around, const std::vecto
 /// Rim edges must have a length, rim vertices places of their own; all positions at the rim must be finite. Else a Refusal.
 void check_positions(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
 
-/// Refuses what may be meant of several rims: `told`, then the lowest vertex of each, then what to do.
-[[noreturn]] void refuse_several(const std::vector<std::vector<Index>>& rims, const std::string& told, const std::string& advice);
+/// Refuses what may be meant of several rims, with the lowest vertex of each.
+[[noreturn]] void refuse_several(const std::vector<std::vector<Index>>& rims, Code code);
 
 }  // namespace tripatch

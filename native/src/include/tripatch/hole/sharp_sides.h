@@ -7,6 +7,7 @@
 
 #include "tripatch/choices.h"
 #include "tripatch/mesh/connectivity.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 
@@ -29,8 +30,8 @@ struct SideTerms {
 };
 SideTerms terms_of_sides(const BySide<SideContinuity>& given, std::vector<double>& angles);
 
-/// What a user is told of them, a sentence a side, or one of all.
-void tell_sharp(const std::vector<double>& angles, std::vector<std::string>& sentences);
+/// What a user is told of them, a warning a side, or one of all.
+void tell_sharp(const std::vector<double>& angles, Messages& warnings);
 
 /// The faces that a fill does not continue, sorted: all but those that smooth edges connect with the faces beside the sides that are
 /// not sharp, as far as those beyond the sharp ones.

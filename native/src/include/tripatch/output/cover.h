@@ -8,6 +8,7 @@
 
 #include "tripatch/hole/hole.h"
 #include "tripatch/mesh/connectivity.h"
+#include "tripatch/messages.h"
 #include "tripatch/output/fill_result.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/types.h"
@@ -23,7 +24,7 @@ struct Cover {
   std::vector<std::array<Index, 2>> split_edges;
   std::vector<double> split_t;
   int rows = 0;  ///< extra rows of quads
-  std::vector<std::string> warnings;
+  Messages warnings;
 };
 
 /// parameters, resolution: see triangulate. mesh: whose edges the fill must not have inside; none where it is a mesh of its own.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tripatch/messages.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/quads/polygon_layout.h"
@@ -20,10 +21,8 @@ struct PlaneCover {
   std::optional<std::array<Index, 2>> split;  ///< rows of the rim as given
   int rows = 0;                               ///< extra rows of quads
   std::vector<Index> poles;
-  std::vector<std::string> warnings;
+  Messages warnings;
 };
-
-inline const std::string one_triangle = "The rim has an odd number of edges: the quads leave one triangle";
 
 /// rim: places in a convex domain and `points` in space, a row each; corners: as polygon_layout takes them. met: places inside that
 /// become vertices, as far as no quad is turned over by that; a warning else. Without corners, and where neither rows nor a tolerance are

@@ -35,8 +35,4 @@ inline std::size_t longest_edge(const Mesh& mesh, const std::vector<Index>& rim)
   return longest_edge(Points(mesh.vertices(rim, Eigen::all)));
 }
 
-extern const char* const too_few_rows;         ///< the warning where the tolerance is out of reach
-extern const char* const crossing_rows;        ///< that where the rows that it asks for turn quads over
-std::string fewer_rows(int rows, int wanted);  ///< that where not as many as are wanted fit
-
 }  // namespace tripatch

@@ -14,6 +14,7 @@
 
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy_problem.h"
+#include "tripatch/messages.h"
 #include "tripatch/polygon/surface.h"
 
 namespace tripatch {
@@ -72,7 +73,7 @@ struct PolygonFairResult {
   double before = 0, after = 0;
   Index folds = 0;
   bool gave_up = false;
-  std::vector<std::string> warnings;
+  Messages warnings;
 };
 PolygonFairResult fair_polygon(const PolygonBase& base, const PolygonBase& measured, const FairingOptions& options);
 

@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "tripatch/choices.h"
+#include "tripatch/messages.h"
 #include "tripatch/patch/through.h"
 #include "tripatch/polygon/fair.h"
+#include "tripatch/report/report.h"
 
 namespace tripatch {
 
@@ -31,7 +33,7 @@ struct Faired {
   Index folds = 0;
   std::vector<Vec2> met;  ///< places of the points that are met inside
   bool gave_up = false;   ///< no energy serves here: the patch is the plain one
-  std::vector<std::string> warnings;
+  Messages warnings;
 };
 
 struct PolygonPatch : Faired {
@@ -42,9 +44,9 @@ struct PolygonPatch : Faired {
   std::vector<double> corner_planes_angle, corner_normals_spread;  ///< as in a report, of the planes that are given
   double boundary_gap = 0;
   std::vector<double> seam_angle_max,
-      seam_angle_rms;                   ///< by side, degrees: against the sides, outside of 1% at corners of two planes
-  std::vector<std::string> continuity;  ///< by side: Free, G0, G1 or G2
-  std::shared_ptr<KnownAtNodes> known;  ///< of its fairing
+      seam_angle_rms;                      ///< by side, degrees: against the sides, outside of 1% at corners of two planes
+  std::vector<SeamContinuity> continuity;  ///< by side
+  std::shared_ptr<KnownAtNodes> known;     ///< of its fairing
 };
 
 PolygonPatch polygon_patch(const SideList& sides, const PolygonPatchOptions& options = {});

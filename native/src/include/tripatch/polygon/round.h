@@ -37,7 +37,7 @@ PiecewisePolynomial around_circle(const Harmonic& waves);
 struct RoundPatch : Faired {
   std::shared_ptr<const RoundSurface> patch;
   Side side;  ///< what is met: the side that was given, without waves that are shorter than the rim's edges
-  std::string continuity;
+  SeamContinuity continuity = SeamContinuity::unknown;
   double seam_angle_max = 0, seam_angle_rms = 0;  ///< degrees
   bool of_revolution = false;                     ///< the surroundings are, and so is the patch
 };

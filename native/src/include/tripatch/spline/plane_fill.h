@@ -12,6 +12,7 @@
 #include <string>
 
 #include "tripatch/mesh/connectivity.h"
+#include "tripatch/messages.h"
 #include "tripatch/patch/through.h"
 #include "tripatch/spline/field.h"
 
@@ -49,7 +50,7 @@ struct PlaneFill {
   double fed_back = 0;            ///< share of an error that the layout hands on to the fill; `deviation` has it
   double surroundings_error = 0;  ///< degrees, root mean square: how well the samples determine the slope at the rim
   int rings = 0;
-  std::string plainer;  ///< why not the likeliest field through as many rings as there are: a sentence, or empty
+  std::optional<Message> plainer;  ///< why not the likeliest field through as many rings as there are
   bool doubles_edges = false;
 };
 

@@ -1,0 +1,97 @@
+"""What users are told: codes with parameters, and the sentences that interfaces make of them by one table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from . import _native
+
+
+@dataclass(frozen=True)
+class Row:
+    """What the table says of a code.
+
+    Attributes:
+        kind: "refusal", "warning" or "note".
+        sentence: the pattern of its sentence; messages.h in the core describes patterns.
+        panel: the same for a window; empty: as `sentence`.
+        meaning: what it means and what to do.
+    """
+
+    kind: str
+    sentence: str
+    panel: str
+    meaning: str
+
+
+#: Every code and its sentences.
+TABLE: dict[str, Row] = {code: Row(*row) for code, *row in _native._messages()}
+
+
+def wording(
+    code: str,
+    parameters: Mapping[str, Any],
+    where: Iterable[int] = (),
+    *,
+    vertices: str = "numbered",
+    panel: bool = False,
+    names: Mapping[str, str] | None = None,
+) -> str:
+    """The sentence of a message.
+
+    Args:
+        code: of the table.
+        parameters: what the sentence names; messages among them are worded likewise.
+        where: vertices.
+        vertices: "numbered"; "selected", for a window in which they are; or "unnamed".
+        panel: whether it is for a window, where sides and corners count from 1.
+        names: what the interface calls options and methods.
+    """
+    row = TABLE[code]
+    style: dict[str, Any] = {"vertices": vertices, "panel": panel, "names": names}
+    plain = {name: value.worded(**style) if isinstance(value, Message) else value for name, value in parameters.items()}
+    pattern = row.panel if panel and row.panel else row.sentence
+    return _native._format(pattern, plain, [int(v) for v in where], vertices, panel, dict(names or {}))
+
+
+class Message(str):
+    """A sentence with the code that it stands for.
+
+    Attributes:
+        code: what the message is about; the page "Messages" of the documentation lists them.
+        parameters: what the sentence names.
+        where: vertex indices of the place, possibly empty.
+    """
+
+    code: str
+    parameters: dict[str, Any]
+    where: list[int]
+
+    def __new__(cls, code: str, parameters: Mapping[str, Any] | None = None, where: Iterable[int] = ()) -> Message:
+        """The message of a code."""
+        given, at = dict(parameters or {}), [int(v) for v in where]
+        message = super().__new__(cls, wording(code, given, at))
+        message.code, message.parameters, message.where = code, given, at
+        return message
+
+    @property
+    def names_vertices(self) -> bool:
+        """Whether the sentence names the place."""
+        parts = [value for value in self.parameters.values() if isinstance(value, Message)]
+        return ":vertices}" in TABLE[self.code].sentence.lower() or any(part.names_vertices for part in parts)
+
+    @property
+    def codes(self) -> set[str]:
+        """The code, and those of messages that the sentence contains."""
+        parts = [value.codes for value in self.parameters.values() if isinstance(value, Message)]
+        return {self.code}.union(*parts)
+
+    def worded(self, **style: Any) -> str:
+        """The sentence in the words of an interface; keywords as of `wording`."""
+        return wording(self.code, self.parameters, self.where, **style)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """For pickle and copies."""
+        return (type(self), (self.code, self.parameters, self.where))

@@ -1,0 +1,178 @@
+"""What users are told has a code, and its sentence is made of one pattern."""
+
+import copy
+import json
+import pickle
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tripatch
+from tripatch import messages
+
+OCTAHEDRON = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]], float)
+FACES = [[1, 2, 3], [2, 0, 4], [0, 1, 5], [3, 4, 5], [2, 4, 3], [0, 5, 4], [1, 3, 5]]
+
+
+def fields(pattern):
+    return re.findall(r"\{(\w+)(?::([^}]*))?\}", pattern)
+
+
+@pytest.mark.parametrize("code", messages.TABLE)
+def test_patterns_are_well_formed(code):
+    row = messages.TABLE[code]
+    assert row.kind in ("refusal", "warning", "note")
+    for pattern in filter(None, (row.sentence, row.panel)):
+        assert pattern.count("{") == pattern.count("}") == len(fields(pattern))
+        assert pattern.count("[") == pattern.count("]")
+        assert not re.search(r"\[[^\]]*\[", pattern)
+        for _, kind in fields(pattern):
+            assert kind in ("", "if", "degrees", "side", "names", "vertices", "Vertices") or "|" in kind
+        assert pattern[0].isupper() or pattern[0] in "{[" or code.startswith("shape_key_")
+        assert not pattern.endswith(".")
+
+
+def test_the_page_of_messages_is_current():
+    script = Path(__file__).resolve().parents[2] / "scripts" / "messages"
+    assert subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True, check=False).stderr == ""
+
+
+def test_a_refusal_has_a_code_and_keeps_it_when_it_is_pickled_or_copied():
+    with pytest.raises(tripatch.Refusal) as caught:
+        tripatch.fill(OCTAHEDRON, FACES, rim=[0, 1])
+    refusal = caught.value
+    assert refusal.code == "rim_too_short"
+    assert isinstance(refusal.reason, str)
+    assert isinstance(refusal, ValueError)
+    for again in (pickle.loads(pickle.dumps(refusal)), copy.deepcopy(refusal)):
+        assert (again.code, again.reason, again.where) == (refusal.code, refusal.reason, refusal.where)
+    assert tripatch.Refusal("Another reason", [3]).code == ""
+
+
+def test_warnings_are_strings_with_a_code():
+    fill = tripatch.fill(OCTAHEDRON, FACES, output="quads", odd="triangle")
+    assert [each.code for each in fill.report.warnings] == fill.report.as_dict()["codes"]
+    for each in (*fill.report.warnings, tripatch.Message("side_sharp", {"angle": 30, "side": 1})):
+        again = pickle.loads(pickle.dumps(each))
+        assert (again, again.code, again.parameters) == (each, each.code, each.parameters)
+        assert json.loads(json.dumps(each)) == each
+
+
+def test_a_window_counts_sides_from_one_and_names_no_vertices():
+    warning = tripatch.Message("corner_planes_differ", {"angle": 2.0, "corner": 0, "spread": 3.0}, [7])
+    assert "(vertex 7)" in warning
+    assert "corner 0" in warning
+    told = warning.worded(panel=True, vertices="unnamed")
+    assert "7" not in told
+    assert "corner 1" in told
+    assert "2°" in told
+    refused = tripatch.Message("edge_without_length", {}, [5, 6])
+    assert "vertices 5 and 6" in refused
+    assert "the selected vertices" in refused.worded(panel=True, vertices="selected")
+
+
+def test_counts_have_their_plural():
+    assert "1 place" in tripatch.Message("patch_folds", {"places": 1})
+    assert "2 places" in tripatch.Message("patch_folds", {"places": 2})
+
+
+def test_of_many_vertices_the_first_are_named():
+    assert "1, 2, 3, 4, 5, 6, 7, 8 and more" in tripatch.Message("faces_flipped", {}, range(1, 20))
+
+
+def test_options_and_methods_have_the_names_of_the_interface():
+    told = tripatch.Message("options_not_taken", {"method": "quintic", "options": ["bulge", "shape"]})
+    assert told.worded(names={"quintic": "Quintic", "bulge": "Bulge"}).startswith("Quintic ignores Bulge, shape")
+
+
+def pseudo(pattern):
+    """A pattern in a language that has no ASCII letters: what is left of them in a sentence was not in the table."""
+    wide = str.maketrans({chr(c): chr(c + 0xFEE0) for c in (*range(0x41, 0x5B), *range(0x61, 0x7B))})
+
+    def kind(match):
+        return (
+            "{"
+            + match[1]
+            + (":" + match[2].translate(wide) if "|" in (match[2] or "") else match[0][len(match[1]) + 1 : -1])
+            + "}"
+        )
+
+    parts = re.split(r"(\{\w+(?::[^}]*)?\})", pattern)
+    return "".join(
+        re.sub(r"\{(\w+)(?::([^}]*))?\}", kind, part) if part.startswith("{") else part.translate(wide) for part in parts
+    )
+
+
+#: What `format` itself says: vertices by number, and units.
+OF_FORMAT = re.compile(r"[Vv]ert(ex|ices)|[Tt]he selected|and more|and|degrees|auto|multi_sided")
+
+
+def names_in(message):
+    """The values in a message that are names or text."""
+    for value in message.parameters.values():
+        if isinstance(value, tripatch.Message):
+            yield from names_in(value)
+        elif isinstance(value, str):
+            yield value
+        elif isinstance(value, list):
+            yield from (each for each in value if isinstance(each, str))
+
+
+def provoked():
+    """Refusals and warnings of several kinds."""
+    cases = [
+        {"rim": [0, 1]},
+        {"rim": [0, 2, 1], "corners": [0, 1]},
+        {"method": "multi_sided", "corners": [0, 1, 5]},
+        {"method": "gordon_coons", "continuity": "G1"},
+        {"method": "quad_rows"},
+        {"output": "cage", "corners": []},
+        {"output": "quads", "resolution": 40},
+        {"continuity": "G2", "method": "quintic"},
+        {"center_offset": 1e9},
+        {"method": "polyharmonic_spline", "surroundings": "limit", "subdivision": {}},
+        {"bulge": 2.0, "corners": []},
+        {"shape": (0.2, 0.5, 0.5)},
+    ]
+    shut = [*FACES, [0, 2, 1]]
+    two = [FACES[k] for k in (0, 1, 2, 3, 4, 5)]
+    flipped = [FACES[0][::-1], *FACES[1:]]
+    broken = OCTAHEDRON.copy()
+    broken[1] = np.nan
+    touching = OCTAHEDRON.copy()
+    touching[1] = touching[0]
+    meshes = [(OCTAHEDRON, FACES, case) for case in cases]
+    meshes += [(OCTAHEDRON, shut, {}), (OCTAHEDRON, two, {}), (OCTAHEDRON, flipped, {}), (broken, FACES, {"rim": [0, 2, 1]})]
+    meshes += [(touching, FACES, {"method": "quintic", "rim": [0, 2, 1]}), (touching, FACES, {"rim": [0, 2, 1]})]
+    for vertices, faces, options in meshes:
+        try:
+            fill = tripatch.fill(vertices, faces, **options)
+        except tripatch.Refusal as refusal:
+            yield from refusal.messages
+            yield tripatch.Message("hole_not_filled", {"reason": refusal.said})
+        except ValueError:
+            pass
+        else:
+            yield from fill.report.warnings
+
+
+def test_nothing_in_a_sentence_is_glued_on(monkeypatch):
+    from dataclasses import replace
+
+    table = {code: replace(row, sentence=pseudo(row.sentence), panel=pseudo(row.panel)) for code, row in messages.TABLE.items()}
+    monkeypatch.setattr(messages, "TABLE", table)
+    seen = set()
+    for message in provoked():
+        seen.add(message.code)
+        for said in (
+            str(message),
+            message.worded(panel=True, vertices="selected"),
+            message.worded(panel=True, vertices="unnamed"),
+        ):
+            for name in names_in(message):
+                said = said.replace(name, "")
+            assert not re.search("[A-Za-z]", OF_FORMAT.sub("", said)), said
+    assert len(seen) > 10
