@@ -83,9 +83,11 @@ void bind_bezier(py::module_& m) {
   m.def("_coons_bezier", [](const std::array<Array, 3>& curves, CoonsKind kind, const std::optional<double>& alpha) {
     BoundaryCurves boundary;
     for (int i = 0; i < 3; ++i) boundary[i] = points_from(curves[i]);
-    py::gil_scoped_release release;
     Messages warnings;
-    BezierTriangle triangle = coons_bezier(boundary, kind, alpha, &warnings);
+    BezierTriangle triangle = [&] {
+      py::gil_scoped_release release;
+      return coons_bezier(boundary, kind, alpha, &warnings);
+    }();
     return py::make_tuple(std::move(triangle), message_objects(warnings));
   });
   m.def("_coons_energy", [](const BezierTriangle& triangle, bool symmetric) { return coons_energy(triangle, symmetric); });

@@ -151,8 +151,8 @@ void check_fill(const Mesh& mesh, const FillOptions& options, const Fill& fill) 
 
 void check_refusal(const Mesh& mesh, const Refused& refused) {
   ++count.refused;
-  require(refused.reason.size() > 10, "a refusal without a sentence");
-  for (Index v : refused.where) require(v >= 0 && v < mesh.vertices.rows(), "a refusal names a vertex that is not there");
+  require(refused.text().size() > 10, "a refusal without a sentence");
+  for (Index v : refused.message.where) require(v >= 0 && v < mesh.vertices.rows(), "a refusal names a vertex that is not there");
 }
 
 /// What is refused as a mistake of the caller names what was given: no step on the way may take what another made for a mistake.
@@ -185,7 +185,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     } else {
       check_fill(mesh, options, fill(mesh, options));
     }
-  } catch (const Refusal& refusal) {
+  } catch (const CodedRefusal& refusal) {
     check_refusal(mesh, refused(refusal));
   } catch (const InvalidArgument& mistake) {
     check_mistake(mistake.what());

@@ -17,6 +17,11 @@ struct Sheet {
   Mesh mesh() const { return {vertices, faces}; }
   std::vector<std::vector<Index>> rims() const { return border_loops(Connectivity(mesh())); }
   std::vector<std::optional<Message>> told() const { return told_of_unjoined(mesh(), rims()); }
+  std::vector<std::string> texts() const {
+    std::vector<std::string> out;
+    for (const std::optional<Message>& each : told()) out.push_back(each ? each->text() : "");
+    return out;
+  }
 };
 
 /// A saddle over six squares a side, that in the middle left out; those from a column on have vertices of their own.
@@ -79,14 +84,14 @@ TEST_CASE("a seam that ends in a hole is told of its rim, whose edges beside it 
 TEST_CASE("the last digit of a coordinate parts what lies upon each other, the sign of zero does not") {
   Sheet s = parted_everywhere({parted_from(6)});
   std::size_t before = 0, after = 0;
-  for (const std::string& each : s.told()) before += each.empty() ? 0 : 1;
+  for (const std::optional<Message>& each : s.told()) before += each ? 1 : 0;
   CHECK(before == 35);
   for (Index v = 0; v < s.vertices.rows(); ++v)
     for (int k = 0; k < 3; ++k)
       if (s.vertices(v, k) == 0 && v % 2 == 1) s.vertices(v, k) = -0.0;
-  CHECK(s.told() == parted_everywhere({parted_from(6)}).told());
+  CHECK(s.texts() == parted_everywhere({parted_from(6)}).texts());
   for (Index v = 0; v < s.vertices.rows(); ++v) s.vertices(v, 2) = 100 + static_cast<double>(v) * 1e-13;
-  for (const std::string& each : s.told()) after += each.empty() ? 0 : 1;
+  for (const std::optional<Message>& each : s.told()) after += each ? 1 : 0;
   CHECK(after == 0);
 }
 
@@ -100,11 +105,11 @@ TEST_CASE("fills and refusals of such rims say so, one or all, near the origin a
       const Refused& refused = std::get<Refused>(result);
       CHECK(refused.message.code == Code::loose_face);
       REQUIRE(refused.also.size() == 1);
-      CHECK(refused.also[0].code == Code::rim_on_borders);
+      CHECK(code_of(refused.also[0]).ends_with("_on_borders"));
     }
     FillOptions options;
     options.rim = rims[3];
-    CHECK_THROWS_WITH(fill(soup.mesh(), options), Catch::Contains("Merge by Distance"));
+    CHECK(refusal_code([&] { fill(soup.mesh(), options); }) == "loose_face");
     options.rim = seam.rims()[0];
     const Fill one = fill(seam.mesh(), options);
     const Fill all = std::get<Fill>(fill_all(seam.mesh(), {*options.rim})[0]);

@@ -196,12 +196,11 @@ struct Parameter {
   Parameter(std::string called, const char* text) : name(std::move(called)), value(std::string(text)) {}
   Parameter(std::string called, Value any) : name(std::move(called)), value(std::move(any)) {}
 };
-using Parameters = std::vector<Parameter>;
 
 /// What a user is told: a code and what its sentence names. Sentences are made of it where they are shown.
 struct Message {
   Code code;
-  Parameters parameters = {};
+  std::vector<Parameter> parameters = {};
   std::vector<Index> where = {};  ///< vertices of the mesh
 
   /// In the words of the library.
@@ -215,7 +214,7 @@ public:
   explicit CodedRefusal(Code code) : CodedRefusal(Message{code}) {}
   CodedRefusal(Code code, std::initializer_list<Index> where) : CodedRefusal(Message{code, {}, where}) {}
   CodedRefusal(Code code, std::vector<Index> where) : CodedRefusal(Message{code, {}, std::move(where)}) {}
-  CodedRefusal(Code code, Parameters parameters, std::vector<Index> where = {})
+  CodedRefusal(Code code, std::vector<Parameter> parameters, std::vector<Index> where = {})
       : CodedRefusal(Message{code, std::move(parameters), std::move(where)}) {}
   /// also: what else is to be said.
   explicit CodedRefusal(Message message, Messages also = {});

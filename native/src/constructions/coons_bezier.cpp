@@ -138,7 +138,7 @@ BezierTriangle solve_mask(const BoundaryCurves& boundary, CoonsKind kind, double
   const Points right = -Points(equations * net);
   const auto [correction, rank_found] = minimum_norm_least_squares(inside, right, singular_pivot);
   if (rank_found < inside.cols()) {
-    Parameters parameters = {{"degree", n}, {"rank", rank_found}, {"unknowns", inside.cols()}};
+    std::vector<Parameter> parameters = {{"degree", n}, {"rank", rank_found}, {"unknowns", inside.cols()}};
     if (kind != CoonsKind::mask) parameters.push_back({"alpha", alpha});
     const double left = (Points(inside * correction) - right).cwiseAbs().maxCoeff();
     const double size = (net.rowwise() - net.row(0)).cwiseAbs().maxCoeff();

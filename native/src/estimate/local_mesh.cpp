@@ -32,8 +32,6 @@ constexpr double over_others = 2;
 /// twice of it change one, by less than 0.1%.
 constexpr double its_way = 0.7;
 
-std::string name(Index vertex) { return std::to_string(vertex); }
-
 /// Origin and scale, from the rim.
 void measure_rim(const Mesh& mesh, const std::vector<Index>& rim, LocalMesh& w) {
   const std::size_t n = rim.size();

@@ -50,7 +50,7 @@ void refuse_if_insisted(const Ground& ground, const Fill& fill, const FillOption
   const Report& report = fill.report;
   const bool as_a_whole = options.method == spline_method;
   const auto refuse = [&](Code code, const std::vector<Index>& where, Index edges) {
-    Parameters parameters = {{"method", options.method}, {"near", first_of(where)}, {"edges", edges}};
+    std::vector<Parameter> parameters = {{"method", options.method}, {"near", first_of(where)}, {"edges", edges}};
     if (!as_a_whole && options.method != rows_method) parameters.push_back({"sided", ""});
     throw CodedRefusal(code, std::move(parameters), where.empty() ? fill.rim : where);
   };
