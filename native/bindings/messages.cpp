@@ -55,6 +55,10 @@ py::object refusal_object(const Message& message, const Messages& also) {
   return refusal.attr("of")(message_object(message), message_objects(also));
 }
 
+py::object mistake_object(const Message& message) {
+  return py::module_::import("tripatch.errors").attr("Mistake")(message_object(message));
+}
+
 void bind_messages(py::module_& m) {
   m.def("_messages", [] {
     py::list rows;

@@ -15,6 +15,9 @@ PYBIND11_MODULE(_native, m) {
     } catch (const CodedRefusal& refusal) {
       const py::object error = refusal_object(refusal.message(), refusal.also());
       PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
+    } catch (const CodedArgument& mistake) {
+      const py::object error = mistake_object(mistake.message());
+      PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
     }
   });
   bind_messages(m);

@@ -161,4 +161,7 @@ std::string Message::text() const { return tripatch::text(*this); }
 CodedRefusal::CodedRefusal(Message message, Messages also)
     : Refusal(text_of(message, also), message.where), message_(std::move(message)), also_(std::move(also)) {}
 
+CodedArgument::CodedArgument(Code code, std::vector<Parameter> parameters)
+    : InvalidArgument(text({code, parameters})), message_{code, std::move(parameters)} {}
+
 }  // namespace tripatch

@@ -134,12 +134,6 @@ std::vector<std::string> named_by(const Option& option) {
   return names;
 }
 
-std::string listed(const std::vector<std::string>& names) {
-  std::string all;
-  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-  return all;
-}
-
 bool is_plain(const auto& value, const auto& plain) { return value == plain; }
 bool is_plain(const BySide<double>& value, const BySide<double>& plain) { return value.are_all(plain[0]); }
 bool is_plain(const std::optional<BySide<double>>& value, const std::optional<BySide<double>>& plain) {
@@ -191,10 +185,11 @@ namespace {
 /// Of methods: an option that no more than so many read is said to be theirs. A choice.
 constexpr std::size_t few = 2;
 
-/// "shape is an option of szilvasi_nagy_c0, szilvasi_nagy_c1"; of an option of many methods nothing.
-std::string whose(const std::string& name) {
-  const std::vector<std::string> methods = named_by(option_named(name.c_str()));
-  return methods.empty() || methods.size() > few ? "" : name + " is an option of " + listed(methods);
+/// The methods that an option is said to be of; of an option of many methods, or all, none.
+std::vector<std::string> owners(const std::string& name) {
+  std::vector<std::string> methods = named_by(option_named(name.c_str()));
+  if (methods.size() > few) methods.clear();
+  return methods;
 }
 
 /// Of names that a method, which is named, does not read: those that several constructions of patches read and this one, another, does not.
@@ -213,8 +208,9 @@ void check_taken(const FillOptions& given) {
   for (std::string& name : not_taken(method, given))
     if (!is_told(method, name)) names.push_back(std::move(name));
   for (const std::string& name : names)
-    if (const std::string said = whose(name); !said.empty()) throw InvalidArgument(said + ", not of " + given.method);
-  if (!names.empty()) throw InvalidArgument(given.method + " does not take " + listed(names));
+    if (const std::vector<std::string> methods = owners(name); !methods.empty())
+      throw CodedArgument(Code::option_not_of_method, {{"option", name}, {"methods", methods}, {"method", given.method}});
+  if (!names.empty()) throw CodedArgument(Code::method_lacks_options, {{"method", given.method}, {"options", names}});
 }
 
 Messages told_of_not_taken(const FillOptions& given, const std::string& used) {
@@ -223,8 +219,7 @@ Messages told_of_not_taken(const FillOptions& given, const std::string& used) {
   Messages told;
   std::vector<std::string> others;
   for (const std::string& name : not_taken(method, given)) {
-    const std::vector<std::string> methods = named_by(option_named(name.c_str()));
-    if (methods.empty() || methods.size() > few)
+    if (const std::vector<std::string> methods = owners(name); methods.empty())
       others.push_back(name);
     else
       told.push_back({Code::option_of_other_methods, {{"option", name}, {"methods", methods}}});

@@ -242,7 +242,7 @@ def test_a_gap_is_named():
     obs = three()
     obs[2].location.z = 0.1
     bpy.context.view_layer.update()
-    refused(obs, "do not meet: their ends are 0.1")
+    refused(obs, "do not meet: they are 0.1 apart")
     new = run(obs, tolerance=0.11)
     assert new.data.polygons
 
@@ -269,7 +269,7 @@ def test_bad_surfaces():
     refused(obs[:1], "two to twelve surface or mesh objects")
     obs[2].scale = (1, 1, 1)
     bpy.context.view_layer.update()
-    refused(obs[:2], "no hole of two or three sides|do not meet")
+    refused(obs[:2], "enclose no hole|do not meet")
 
 
 def arch(name, sign, high=0.4):
@@ -315,7 +315,7 @@ def test_a_surface_flat_to_a_line():
     obs = three()
     for point in obs[1].data.splines[0].points:
         point.co.x = point.co.y = 0
-    refused(obs, "B is flat to a line")
+    refused(obs, "B has no tangent planes along an edge")
 
 
 def test_patches_that_overlap():
@@ -323,7 +323,7 @@ def test_patches_that_overlap():
     obs = three()
     points = np.array([p.co for p in obs[0].data.splines[0].points])
     obs[1].data.splines[0].points.foreach_set("co", points.ravel())
-    refused(obs, "do not meet|no three-sided hole")
+    refused(obs, "do not meet|enclose no hole")
 
 
 def cut_back(points, before, after):
@@ -447,7 +447,7 @@ def test_selected_edges_of_a_mesh_count():
     select_edges(sheet, lambda p: max(p.x, p.y) < 1 + 1e-6)
     assert len(border(run([sheet, other]))) == 4 + 4 + 15
     select_edges(sheet, lambda p: max(p.x, p.y) < 1 + 1e-6 and (p.x < 0.6 or p.y > 0.9))
-    refused([sheet, other], "Sheet and Strip do not meet|Strip and Sheet do not meet|no hole of two or three sides")
+    refused([sheet, other], "Sheet and Strip do not meet|Strip and Sheet do not meet|enclose no hole")
 
 
 def test_a_modifier_of_a_mesh_counts():

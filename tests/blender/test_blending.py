@@ -167,7 +167,7 @@ def test_what_cannot_be_blended_is_refused_and_changes_nothing():
     for ob in obs:
         ob.select_set(True)
     before = set(bpy.data.objects)
-    with pytest.raises(RuntimeError, match="do not meet: their ends are 0.1"):
+    with pytest.raises(RuntimeError, match="do not meet: they are 0.1 apart"):
         blend()
     assert set(bpy.data.objects) == before
     assert blend(by_hand=True) == {"FINISHED"} and set(bpy.data.objects) == before

@@ -81,7 +81,7 @@ def test_some_refused(run):
     report = run.out.with_suffix(".json")
     status, _, err = run("--all", "--method", "side_vertex", "--report", str(report))
     assert status == 3
-    assert "B: Rim has 4 corners; select three" in err
+    assert "B: This method needs 3 corners, but the hole has 4" in err
     assert run.out.exists()
     a, b = json.loads(report.read_text())
     assert (a["object"], len(a["filled"]), a["refused"]) == ("A", 1, [])
@@ -319,7 +319,7 @@ def test_the_script_as_a_program(tmp_path):
     assert done.returncode == 3, done.stdout + done.stderr
     done = blender(tmp_path / "in.blend", "--object", "B", *patch, "--out", str(tmp_path / "never.blend"))
     assert done.returncode == 1, done.stdout + done.stderr
-    assert "select three" in done.stderr
+    assert "needs 3 corners" in done.stderr
     assert not (tmp_path / "never.blend").exists()
     done = blender(tmp_path / "in.blend")
     assert done.returncode == 2, done.stdout + done.stderr

@@ -108,7 +108,7 @@ def test_matrices_of_a_mesh_that_is_refused_stay():
     give(ob.data, "FLOAT4X4", "CORNER")
     before = values_of(ob.data, "FLOAT4X4")
     scenes.edit(ob)
-    with pytest.raises(RuntimeError, match="Rim has 4 corners"):
+    with pytest.raises(RuntimeError, match="needs 3 corners"):
         fill(method="side_vertex")
     bpy.ops.object.mode_set(mode="OBJECT")
     assert values_of(ob.data, "FLOAT4X4") == before

@@ -43,7 +43,7 @@ def test_with_nothing_selected_the_outer_border_is_no_hole():
 
 def test_where_the_only_hole_cannot_be_filled_the_outer_border_is_not_mentioned():
     scenes.edit(scenes.add_mesh(*scenes.square_hole()))
-    with pytest.raises(RuntimeError, match="^Error: Rim has 4 corners; select three"):
+    with pytest.raises(RuntimeError, match="^Error: This method needs 3 corners"):
         fill(method="side_vertex")
 
 
@@ -317,7 +317,7 @@ def test_hidden_faces_are_surroundings_and_hidden_rims_are_left():
     scenes.select(bm, scenes.border_loops(bm)[0])
     bpy.ops.mesh.hide()
     bpy.ops.mesh.select_all(action="SELECT")
-    with pytest.raises(RuntimeError, match="others are hidden"):  # what Python makes of an error report
+    with pytest.raises(RuntimeError, match="Reveal Hidden shows the others"):  # what Python makes of an error report
         fill()
     assert rims(ob) == [12, 36]
 

@@ -196,8 +196,7 @@ def test_a_missing_face_of_a_cube_is_no_alarm(addon):
 
 
 def test_a_fill_up_to_sharp_edges_says_how_they_are_rounded(addon):
-    of_core = "The mesh meets the flat rim of the hole at an angle all around: the fill is flat; continuity G1 continues it"
-    said = panel.module(addon, "sentences").for_people(of_core)
+    said = panel.module(addon, "sentences").for_people(tripatch.messages.Message("flat_all_around"))
     assert said == "Filled flat up to the sharp edges; set Continuity: Tangent to round them"
 
 
@@ -225,7 +224,7 @@ def test_a_cage_without_corners_is_not_shaped(addon, name, value):
     assert active[name] is False and "only between smooth sides" in said
     after, (points, other) = filled(addon, ear, **{name: value})
     assert faces == other and np.abs(plain - points).max() < 1e-12
-    assert "bulge, tension and center are not applied" in after.said[-1][1].lower()
+    assert "bulge, tension and center have no effect" in after.said[-1][1]
 
 
 def test_a_cage_between_corners_that_would_fold_if_pulled_at_stays_a_cage(addon):

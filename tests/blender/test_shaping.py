@@ -284,7 +284,7 @@ def test_a_rim_that_is_a_point_is_not_shaped(shaping):
     for v in loop[1:]:
         v.co = loop[0].co
     scenes.select_rim(bm, loop)
-    with pytest.raises(shaping.UnusableError, match="All vertices of the rim are at the same place"):
+    with pytest.raises(shaping.UnusableError, match="All vertices of the hole are at the same place"):
         shaping.from_selection(ob, bm)
 
 

@@ -364,11 +364,11 @@ SPLINE = "polyharmonic_spline"
 @pytest.mark.parametrize(
     ("method", "options", "said"),
     [
-        ("gordon_coons", {"continuity": "G1"}, "The method Gordon Coons keeps G0 along the rim"),
+        ("gordon_coons", {"continuity": "G1"}, "Gordon Coons keeps G0 along the boundary"),
         (SPLINE, {"cross_boundary": "given"}, "Spline does not take Slopes"),
-        (SPLINE, {"shape": (0.3, 0.5, 0.5)}, "shape is an option of Szilvasi Nagy C0, Szilvasi Nagy C1, not of"),
-        (SPLINE, {"optimal_shape": True}, "shape is an option of"),
-        ("side_vertex", {"symmetric": True}, "symmetric is an option of Coons Extremal"),
+        (SPLINE, {"shape": (0.3, 0.5, 0.5)}, "Shape is an option of Szilvasi Nagy C0, Szilvasi Nagy C1, not of Spline"),
+        (SPLINE, {"optimal_shape": True}, "Shape is an option of"),
+        ("side_vertex", {"symmetric": True}, "Symmetric is an option of Coons Extremal"),
     ],
 )
 def test_what_a_method_does_not_take_is_an_error_of_a_script_and_nothing_where_the_panel_hides_it(addon, method, options, said):
@@ -387,8 +387,8 @@ def test_what_is_not_applied_is_said_of_what_was_chosen_only(addon):
     scenes.edit(scenes.add_hole())
     of_another = {"method": "gordon_coons", "bulge": 2.0}
     for options, said in (
-        ({"symmetric": True}, "symmetric is an option of Coons Extremal: not applied"),
-        (of_another, "Gordon Coons does not take Bulge: not applied"),
+        ({"symmetric": True}, "Symmetric has no effect: it is an option of Coons Extremal"),
+        (of_another, "Gordon Coons ignores Bulge"),
         (of_another | {"by_hand": True}, ""),  # the panel greys it
         ({}, ""),
     ):
@@ -408,8 +408,8 @@ def test_what_is_said_of_several_holes_is_said_once_with_their_names(addon):
     state = operator(addon, symmetric=True, output="triangles")
     assert state.execute(bpy.context) == {"FINISHED"}
     ((_, text),) = state.said
-    assert text.count("not applied") == 1
-    named = text.split("3 holes, through vertices ")[1].split(":")[0]
+    assert text.count("has no effect") == 1
+    named = text.split("3 holes at vertices ")[1].split(":")[0].replace(" and", ",")
     assert sorted(map(int, named.split(", "))) == rims
 
 
@@ -525,7 +525,7 @@ def test_a_hole_that_gets_no_cage_is_filled_with_quads_and_says_so(addon):
         assert state.execute(bpy.context) == ({"FINISHED"} if not output else {"CANCELLED"})
         ((kind, sentence),) = state.said
         assert kind == ({"WARNING"} if not output else {"ERROR"})
-        assert ("with quads instead of a cage" in sentence) == (not output)
+        assert ("quads instead of a cage" in sentence) == (not output)
         assert len(border_lengths(ob)) == (1 if not output else 2)
         bpy.ops.object.mode_set(mode="OBJECT")
 
@@ -545,16 +545,12 @@ def test_a_round_rim_under_a_subdivision_modifier_gets_a_cage(addon):
 
 def test_sides_and_corners_count_from_one_in_sentences(addon):
     for_people = module(addon, "sentences").for_people
-    assert for_people("Sides 0 and 1 do not meet at corner 2") == "Sides 1 and 2 do not meet at corner 3"
-    assert for_people("Rim has 4 corners; select three") == "Rim has 4 corners; select three"
-    assert for_people("Corner vertex 7 is not on the rim") == "Corner vertex 7 is not on the rim"
-    rows = "Four extra rows of quads do not reach the tolerance; set the resolution by hand"
-    assert for_people(rows) == "Four extra rows of quads do not reach the tolerance; choose the Density"
-    needed = " smooth sides are needed, between which a patch lies without folds: not applied"
-    assert for_people("For center_offset, bulge and tension" + needed) == "For Center, Bulge and Tension" + needed
-    said = "Spline does not take Center and Tension"
-    assert for_people("polyharmonic_spline does not take center_offset and tension") == said
-    assert "Recalculate Outside" in for_people("The face at vertex 3 is turned against its neighbors")
+    message = tripatch.messages.Message
+    said = for_people(message("corner_planes_differ", {"angle": 9.0, "spread": 12.0, "corner": 2}, [7]))
+    assert "at corner 3," in said
+    said = for_people(message("method_lacks_options", {"method": "polyharmonic_spline", "options": ["center_offset", "tension"]}))
+    assert said == "Spline does not take Center and Tension"
+    assert "Recalculate Outside" in for_people(message("faces_flipped", {}, [3]))
 
 
 def test_every_property_says_what_one_will_see(addon):

@@ -30,7 +30,8 @@ def following(addon):
 
 def versions():
     """The add-on's module of that name, whatever the add-on is called in this Blender."""
-    return next(module for name, module in sys.modules.items() if name.endswith(("tripatch.versions", "tripatch_blender.versions")))
+    names = ("tripatch.versions", "tripatch_blender.versions")
+    return next(module for name, module in sys.modules.items() if name.endswith(names))
 
 
 def new_tree(before=()):

@@ -324,7 +324,7 @@ def test_a_corner_with_two_edges_in_the_closed_cage_is_refused(odd):
     ob = add_cage(rings=2, change=odd_rim)
     before = bits([v.co for v in ob.data.vertices]), len(ob.data.polygons)
     tip, _ = edit_with_corners(ob)
-    with pytest.raises(RuntimeError, match=f"no tangent plane at corner vertex {tip}, where the closed cage has only two edges"):
+    with pytest.raises(RuntimeError, match=f"no tangent plane at vertex {tip}"):
         fill(odd=odd, output="cage")
     bpy.ops.object.mode_set(mode="OBJECT")
     assert (bits([v.co for v in ob.data.vertices]), len(ob.data.polygons)) == before

@@ -199,7 +199,7 @@ def test_tolerance_decides_on_the_rows():
     coarse = tripatch.fill(vertices, left, rim=rim, output="cage", tolerance=1.0)
     fine = tripatch.fill(vertices, left, rim=rim, output="cage", tolerance=1e-9)
     assert len(coarse.faces) == 12
-    assert says(fine.report, "tolerance_out_of_reach", "cage_off_patch")
+    assert says(fine.report, "tolerance_out_of_reach", "cage_off_patch", "rows_would_cross")
     by_rows = [tripatch.fill(vertices, left, rim=rim, output="cage", resolution=n).report.cage_deviation_rms for n in range(5)]
     assert fine.report.rows == np.argmin(by_rows), "none reaches it: the nearest is taken, not the one with the most rows"
     assert np.isclose(fine.report.cage_deviation_rms, min(by_rows), rtol=1e-6)

@@ -131,7 +131,7 @@ def test_two_holes(two, tmp_path, capsys):
     out = tmp_path / "out.obj"
     code, _, err = run(capsys, "fill", two, out)
     assert code == 1
-    assert "The mesh has 2 holes: rims starting at vertex 0 and 72; choose one, or fill all" in err
+    assert "The mesh has 2 holes, which start at vertices 0 and 72" in err
     assert not out.exists()
     code, text, err = run(capsys, "fill", two, out, "--all", "--method", "side_vertex", "--report", tmp_path / "r.json")
     assert (code, err) == (0, "")
@@ -142,24 +142,25 @@ def test_two_holes(two, tmp_path, capsys):
 
 def test_some_refused(tmp_path, capsys):
     path, out = write_obj(tmp_path / "in.obj", sphere_hole(), square()), tmp_path / "out.obj"
+    needs = "This method needs 3 corners, but the hole has 4. Name three, or use method auto"
     code, text, err = run(capsys, "fill", path, out, "--all", "--method", "side_vertex", "--report", tmp_path / "r.json")
     assert code == 3
     assert text.startswith("Filled 1 hole;")
-    assert err == "tripatch: Hole through vertex 76: Rim has 4 corners; select three (vertices 76, 77, 78, 79)\n"
+    assert err == f"tripatch: Hole at vertex 76: {needs} (vertices 76, 77, 78 and 79)\n"
     assert out.exists()
     first, second = json.loads((tmp_path / "r.json").read_text())["holes"]
-    assert first["refused"] == "Rim has 4 corners; select three"
+    assert (first["refused"], first["codes"]) == (needs, ["not_three_corners"])
     assert first["where"] == [76, 77, 78, 79]
     assert second["corners"] == [0, 6, 12]
 
 
 def test_what_is_said_of_several_holes_is_said_once_with_their_names(tmp_path, capsys):
     path, out = write_obj(tmp_path / "in.obj", sphere_hole(), sphere_hole(center=9.0), square()), tmp_path / "out.obj"
-    said = "shape is an option of szilvasi_nagy_c0, szilvasi_nagy_c1: not applied\n"
+    said = "shape has no effect: it is an option of szilvasi_nagy_c0, szilvasi_nagy_c1\n"
     code, _, err = run(capsys, "fill", path, out, "--all", "--shape", "0.3")
-    assert code == 0 and err == "tripatch: 3 holes, through vertices 148, 0, 72: " + said
+    assert code == 0 and err == "tripatch: 3 holes at vertices 148, 0 and 72: " + said
     code, _, err = run(capsys, "fill", path, out, "--all", "--method", "side_vertex", "--shape", "0.3")
-    assert code == 3 and err.endswith("tripatch: 2 holes, through vertices 0, 72: " + said)
+    assert code == 3 and err.endswith("tripatch: 2 holes at vertices 0 and 72: " + said)
     code, _, err = run(capsys, "fill", path, out, "--all", "--max-edges", "4", "--shape", "0.3")
     assert code == 0 and err == "tripatch: " + said
     code, _, err = run(capsys, "fill", path, out, "--rim", ",".join(map(str, range(18))), "--shape", "0.3")
@@ -168,10 +169,10 @@ def test_what_is_said_of_several_holes_is_said_once_with_their_names(tmp_path, c
 
 def test_sentences_on_one_hole_of_several_name_it():
     told = [(4, ["It folds", "It is odd"]), (7, []), *[(k, ["It is odd"]) for k in range(10, 20)]]
-    named = "4, 10, 11, 12, 13, 14, 15, 16, ..."
-    assert words.gathered(told) == ["Hole through vertex 4: It folds", f"11 holes, through vertices {named}: It is odd"]
+    named = "4, 10, 11, 12, 13, 14, 15, 16 and more"
+    assert words.gathered(told) == ["Hole at vertex 4: It folds", f"11 holes at vertices {named}: It is odd"]
     assert words.gathered(told[:1]) == ["It folds", "It is odd"]
-    assert words.gathered(told[:2]) == ["Hole through vertex 4: It folds", "Hole through vertex 4: It is odd"]
+    assert words.gathered(told[:2]) == ["Hole at vertex 4: It folds", "Hole at vertex 4: It is odd"]
 
 
 def test_all_rims_may_be_called_round(two, tmp_path, capsys):
@@ -186,7 +187,7 @@ def test_all_refused(tmp_path, capsys):
     for more in ([], ["--all"], ["--rim", "4,5,6,7"]):
         code, text, err = run(capsys, "fill", path, out, "--method", "side_vertex", *more)
         assert (code, text) == (1, "")
-        assert "Rim has 4 corners; select three" in err
+        assert "This method needs 3 corners" in err
         assert not out.exists()
 
 
@@ -469,5 +470,5 @@ def test_of_many_refusals_twenty_are_told_and_the_rest_counted(tmp_path, capsys,
     write_obj(tmp_path / "in.obj", *[(np.eye(3) + k, [[0, 1, 2]]) for k in range(count)])
     assert cli.main(["fill", str(tmp_path / "in.obj"), str(tmp_path / "out.obj"), "--all"]) == 1
     said = capsys.readouterr().err.splitlines()
-    assert sum("joined to no other" in line for line in said) == cli.MOST_TOLD == 20
+    assert sum("outline of a loose face" in line for line in said) == cli.MOST_TOLD == 20
     assert sum("1 more hole was refused; --report FILE.json names each" in line for line in said) == more

@@ -123,10 +123,10 @@ def test_quiet_prints_errors_only_and_verbose_a_line_for_each_hole(one, tmp_path
     assert run(capsys, "fill", one, out, *more)[2]
     assert run(capsys, "fill", one, out, "-q", *more) == (0, "", "")
     code, said, _ = run(capsys, "fill", one, out, "-v")
-    assert code == 0 and re.search(r"^Hole through vertex 0: \d+ new faces by \w+", said, re.M)
+    assert code == 0 and re.search(r"^Hole at vertex 0: \d+ new faces by \w+", said, re.M)
     assert "Filled 1 hole" in said
     path = write_obj(tmp_path / "square.obj", square())
-    assert "select three" in run(capsys, "fill", path, out, "-q", "--method", "side_vertex")[2]
+    assert "needs 3 corners" in run(capsys, "fill", path, out, "-q", "--method", "side_vertex")[2]
     for command in (["view", one, "-o", tmp_path / "a.png"], ["smooth", one, "-o", tmp_path / "b.obj"]):
         assert run(capsys, *command)[1]
         assert run(capsys, *command, "--quiet") == (0, "", "")

@@ -191,9 +191,9 @@ def test_bad_cages():
         return caught.value.code
 
     on_rim = [v for v in beside if v in rim]
-    assert "a face on both sides of the rim edge" in refusal(*with_fin(vertices, left, *on_rim))
-    assert "a face on both sides of the rim edge" in refusal(vertices, left + [beside])
-    assert "orientation" in refusal(vertices, [f[::-1] if f is beside else f for f in left])
+    assert "faces_on_both_sides" == refusal(*with_fin(vertices, left, *on_rim))
+    assert "faces_on_both_sides" == refusal(vertices, left + [beside])
+    assert "faces_flipped" == refusal(vertices, [f[::-1] if f is beside else f for f in left])
     moved = vertices.copy()
     moved[beside] = np.nan
     assert refusal(moved, left) == "vertex_not_finite"
@@ -203,8 +203,7 @@ def test_bad_cages():
     angle = np.linspace(0, 6, 70000)
     many = np.vstack([vertices, np.stack([np.cos(angle), np.sin(angle), angle], axis=1)])
     ngon = [next(v for v in beside if v not in rim), *range(len(vertices), len(many))]
-    assert "cannot be subdivided: a face at vertex" in refusal(many, left + [ngon])
-    assert "has 70001 corners; subdivision takes 65535 at most" in refusal(many, left + [ngon])
+    assert refusal(many, left + [ngon]) == "face_has_many_corners"
 
     plain = tripatch.fill(vertices, left, **options)
     away = [v for v in beside if v not in rim]

@@ -268,7 +268,7 @@ def test_sides_that_do_not_meet_are_named(method):
 def test_ends_within_a_tolerance_are_moved_together():
     exact = tripatch.patch(filled().sides)
     sides = with_side(lambda c, dc, r: (lambda t: c(t) + [0, 0, 1e-4], dc, r))
-    with pytest.warns(UserWarning, match="The ends of the sides were moved together, by 5e-05 at most"):
+    with pytest.warns(UserWarning, match="The ends of the sides were moved together, by up to 5e-05"):
         patch = tripatch.patch(sides, tolerance=2e-4)
     b = np.random.default_rng(1).dirichlet((1, 1, 1), 50)
     assert np.abs(patch.evaluate(b) - exact.evaluate(b)).max() < 2e-4

@@ -35,7 +35,7 @@ def turned(degrees):
 
 def test_an_edge_without_extent_is_a_point_to_a_million_millionth_of_its_coordinates():
     whole = edge((1, 0, 0), (1, 1, 0)).side
-    with refused_as("edge_is_point"):
+    with refused_as("surface_edge_is_point"):
         between.SurfaceEdge("A", whole.part(0.0, 0.97e-12), 8, True)
     between.SurfaceEdge("A", whole.part(0.0, 1.03e-12), 8, True)
 

@@ -75,6 +75,10 @@ enum class Code : std::uint16_t {
   options_not_taken,
   options_need_smooth_sides,
   option_needs_three_sides,
+  option_not_of_method,
+  method_lacks_options,
+  method_makes_no_cages,
+  corner_counts_not_in_order,
   // Points inside
   points_in_one_place,
   points_over_one_place,
@@ -226,6 +230,16 @@ public:
 private:
   Message message_;
   Messages also_;
+};
+
+/// A mistake of the caller that a user of an interface can make, and its code.
+class CodedArgument : public InvalidArgument {
+public:
+  CodedArgument(Code code, std::vector<Parameter> parameters);
+  const Message& message() const { return message_; }
+
+private:
+  Message message_;
 };
 
 /// A row of the table.

@@ -121,7 +121,7 @@ def _progress(done: int, total: int) -> None:
 
 
 def _refused(refusal: tripatch.Refusal, rim: Sequence[int] | None = None) -> None:
-    hole = "" if rim is None else f"Hole through vertex {min(rim)}: "
+    hole = "" if rim is None else f"Hole at vertex {min(rim)}: "
     _say(hole + words.refused(refusal))
 
 
@@ -169,7 +169,7 @@ def _lines(holes: list[Any], why: bool) -> list[str]:
             said.append(f"Hole{'' if rim is None else f' through vertex {min(rim)}'}: refused")
         else:
             new, report = words.counted(len(result.faces), "new face"), result.report
-            said.append(f"Hole through vertex {min(result.rim)}: {new} by {report.method} ({report.method_reason})")
+            said.append(f"Hole at vertex {min(result.rim)}: {new} by {report.method} ({report.method_reason})")
             said += [f"  {row}" for row in words.candidates(report)] if why else []
     return said
 

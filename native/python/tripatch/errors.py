@@ -67,6 +67,18 @@ def _again(kind: type[Refusal], messages: tuple[Message, ...], where: list[int])
     return refusal
 
 
+class Mistake(ValueError):
+    """An argument that does not fit the others, in words that an interface can replace by its own.
+
+    Attributes:
+        said: the sentence as a message with its code.
+    """
+
+    def __init__(self, said: Message) -> None:
+        super().__init__(said)
+        self.said = said
+
+
 class FillWarning(UserWarning):
     """What a person should know of a result that comes without a report.
 

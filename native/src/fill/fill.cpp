@@ -315,7 +315,7 @@ void check_for_holes(const FillOptions& options) {
     throw InvalidArgument("cap is an option of the method auto, with surroundings that are a mesh");
   if ((options.method == spline_method || options.method == rows_method || options.method == annulus_method) &&
       options.output == Output::cage)
-    throw InvalidArgument(options.method + " makes no cages; choose another method, or triangles or quads");
+    throw CodedArgument(Code::method_makes_no_cages, {{"method", options.method}});
 }
 
 using Results = std::vector<std::variant<Fill, Refused>>;

@@ -4,6 +4,7 @@
 
 #include "tripatch/hole/corners.h"
 #include "tripatch/hole/outer_borders.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -21,7 +22,7 @@ int count_corners(const Mesh& mesh, const Connectivity& around, const std::vecto
 
 std::vector<std::vector<Index>> choose_holes(const Mesh& mesh, const HoleChoice& choice) {
   if (choice.corner_count && (*choice.corner_count)[0] > (*choice.corner_count)[1])
-    throw InvalidArgument("corner_count must be the least and the most number of corners, in this order");
+    throw CodedArgument(Code::corner_counts_not_in_order, {{"option", "corner_count"}});
   const Connectivity around(mesh);
   std::vector<std::vector<Index>> chosen;
   for (Border& border : borders_of(mesh, around)) {
