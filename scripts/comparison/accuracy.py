@@ -108,7 +108,7 @@ def table(results: dict, times: dict, densities: tuple) -> str:
     return "\n".join(lines) + "\n"
 
 
-HEAD = """# Measurements
+HEAD = """# Accuracy
 
 {provenance}
 
