@@ -343,7 +343,7 @@ def test_a_tolerance_that_nothing_has_computed_is_not_shown(addon):
     [
         ({"method": "polyharmonic_spline", "continuity": "G2"}, "Spline does not take Continuity"),
         ({"method": "polyharmonic_spline", "output": "cage"}, "Spline makes no cages; choose another method"),
-        ({"use_corner_count": True, "corner_count": (6, 2)}, "Corners must be the least and the most"),
+        ({"use_corner_count": True, "corner_count": (6, 2)}, "Corners must be the smallest and the largest"),
     ],
 )
 def test_options_that_do_not_go_together_are_said_and_can_be_changed(addon, options, said):

@@ -265,7 +265,7 @@ def test_a_fill_that_folds_is_no_success(one, tmp_path, capsys):
         (["--outer"], "--outer goes with --all"),
         (["--max-edges", "9"], "--max-edges goes with --all"),
         (["--all", "--max-edges", "2"], "max_edges must be 3 or greater"),
-        (["--all", "--corner-count", "6,2"], "corner_count must be the least and the most"),
+        (["--all", "--corner-count", "6,2"], "corner_count must be the smallest and the largest"),
         (["--frobnicate"], "unrecognized arguments"),
         (["--report", "/none/such/r.json"], "cannot be written"),
     ],
