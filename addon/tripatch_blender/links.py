@@ -11,11 +11,11 @@ _PAGES = (
     ("bpy.ops.mesh.fill_three_sided*", "guide.html"),
     ("bpy.ops.mesh.edit_fill*", "guide.html"),
     ("bpy.ops.mesh.smooth_triangles*", "guide.html"),
-    ("bpy.ops.mesh.shape_fill*", "hands.html"),
-    ("bpy.ops.object.*_live_fill*", "hands.html"),
-    ("bpy.types.TriPatchSmoothFillNode*", "hands.html"),
+    ("bpy.ops.mesh.shape_fill*", "shaping-and-live-fills.html"),
+    ("bpy.ops.object.*_live_fill*", "shaping-and-live-fills.html"),
+    ("bpy.types.TriPatchSmoothFillNode*", "shaping-and-live-fills.html"),
     ("bpy.ops.object.fill_between_patches*", "guide.html"),
-    ("bpy.ops.object.blend_three_patches*", "hands.html"),
+    ("bpy.ops.object.blend_three_patches*", "shaping-and-live-fills.html"),
 )
 
 
