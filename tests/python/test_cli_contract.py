@@ -54,6 +54,8 @@ def test_every_option_has_help_and_says_its_default_in_one_form(name, action):
     option = tripatch.OPTIONS.get(action.dest)
     if option is not None and action.default is argparse.SUPPRESS and option.kind in ("choice", "number", "whole", "position"):
         assert "(default: " in said
+    if option is not None and isinstance(option.default, float):
+        assert f"(default: {option.default:g})" in said
 
 
 @pytest.mark.parametrize("name", COMMANDS)

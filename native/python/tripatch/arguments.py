@@ -151,8 +151,13 @@ def flag(name: str) -> str:
 def _default(option: Option) -> str:
     if option.kind in ("indices", "loops", "points", "subdivision") or (option.kind == "flag" and not option.default):
         return ""
-    value = {None: "none", True: "on"}.get(option.default, option.default)
-    return f" (default: {','.join(f'{x:g}' for x in value) if isinstance(value, tuple) else value})"
+    if "(default: " in option.description:
+        return ""
+    if option.kind == "flag":
+        return " (default: on)"
+    values = option.default if isinstance(option.default, tuple) else (option.default,)
+    words = ("none" if x is None else x if isinstance(x, str) else f"{x:g}" for x in values)
+    return f" (default: {','.join(words)})"
 
 
 def add(parser: argparse._ActionsContainer, option: Option) -> None:
