@@ -210,7 +210,7 @@ class FromEdges:
 
     tolerance: FloatProperty(
         name="Tolerance",
-        description="Largest gap between the ends of two edges that still meet",
+        description="Largest gap between the ends of edges that count as meeting",
         unit="LENGTH",
         min=0.0,
         precision=5,
@@ -218,7 +218,7 @@ class FromEdges:
     )
     resolution: IntProperty(
         name="Resolution",
-        description="Edges along the sides of surfaces, as Blender draws them until it is changed; meshes keep their vertices",
+        description="Edges along the sides of surfaces (default: as Blender draws them)",
         min=0,
         soft_min=1,
         soft_max=128,
@@ -243,7 +243,7 @@ class FromEdges:
 
 
 class OBJECT_OT_fill_between_patches(FromEdges, Construction, waiting.Waiting, bpy.types.Operator):
-    """Fill the hole between selected surface and mesh objects by a new mesh that continues them"""
+    """Fill the hole between the selected surface and mesh objects smoothly"""
 
     bl_idname = "object.fill_between_patches"
     bl_label = "Fill Between Patches"
@@ -251,7 +251,7 @@ class OBJECT_OT_fill_between_patches(FromEdges, Construction, waiting.Waiting, b
 
     keep_live: BoolProperty(
         name="Keep Live",
-        description="The fill follows when the objects around it are moved or edited, until it is applied",
+        description="Make a fill that follows its objects until applied",
         default=False,
     )
 

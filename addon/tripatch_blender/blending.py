@@ -25,14 +25,14 @@ def _between(names, i):
 
 
 class OBJECT_OT_blend_three_patches(between_patches.FromEdges, bpy.types.Operator):
-    """Blend three selected surface or mesh objects over the hole between their edges; drag the handles to weigh them"""
+    """Blend three selected surface or mesh objects over the hole between them; handles set their weights"""
 
     bl_idname = "object.blend_three_patches"
     bl_label = "Blend Three Patches"
     bl_options = {"REGISTER", "UNDO"}
 
     optimal_shape: BoolProperty(
-        name="Optimal Shape", description="The weights of the surfaces with which the blend bends least", default=False
+        name="Optimal Shape", description="Use the weights with which the blend bends least", default=False
     )
 
     names: StringProperty(options={"HIDDEN", "SKIP_SAVE"})  # of the objects, by side
@@ -100,7 +100,7 @@ if OPTIONS:
         for name in _METHODS
     ]
     _declared = {
-        "method": EnumProperty(name="Method", description="How the surfaces are blended", items=_items),
+        "method": EnumProperty(name="Method", description="Formula of the blend", items=_items),
         "shape": properties.by_side(OPTIONS["shape"]),
     }
     properties.declare(OBJECT_OT_blend_three_patches, _declared)

@@ -72,14 +72,14 @@ def _declared():
     made["not_applied"] = StringProperty(options={"HIDDEN", "SKIP_SAVE"})  # of the last fills: "option:code option:code ..."
     made["individual"] = BoolProperty(
         name="By Side",
-        description="Each side is met in its own way and bulges by its own amount",
+        description="Set continuity and bulge for each side",
         default=False,
         options={"SKIP_SAVE"},
     )
     for name, _, label, description in _SWITCHES.values():
         made[name] = BoolProperty(name=label, description=description, default=False)
     for name in _FOLDED:
-        made[f"show_{name}"] = BoolProperty(name=name.title(), description="Shows more rows", default=False, options={"HIDDEN"})
+        made[f"show_{name}"] = BoolProperty(name=name.title(), description="Show more rows", default=False, options={"HIDDEN"})
     return made
 
 

@@ -38,7 +38,7 @@ class _OfLiveFills:
 
 
 class OBJECT_OT_apply_live_fill(_OfLiveFills, bpy.types.Operator):
-    """Make a live fill a part of the mesh that it fills"""
+    """Turn a live fill into faces of its mesh"""
 
     bl_idname = "object.apply_live_fill"
     bl_label = "Apply Live Fill"
@@ -65,7 +65,7 @@ class OBJECT_OT_apply_live_fill(_OfLiveFills, bpy.types.Operator):
 
 
 class OBJECT_OT_update_live_fill(_OfLiveFills, bpy.types.Operator):
-    """Fill a live fill anew now"""
+    """Update a live fill now"""
 
     bl_idname = "object.update_live_fill"
     bl_label = "Update Live Fill"

@@ -128,20 +128,20 @@ class FillSmooth(Construction, waiting.Waiting):
 
     add_modifier: BoolProperty(
         name="Add Modifier",
-        description="Give the object a Subdivision modifier if it has none: without it the cage is seen, not its surface",
+        description="Add a Subdivision modifier if the object has none",
         default=True,
     )
     corner_offset: IntProperty(
         name="Slide Corners",
-        description="Slides the corners along the rim by this many vertices: other edges become the sides",
+        description="Slide all corners along the boundary by this many vertices",
         default=0,
         options={"SKIP_SAVE"},
     )
     shading: EnumProperty(
         name="Shading",
-        description="Whether the new faces look smooth or faceted",
+        description="Shade the new faces smooth or flat",
         items=[
-            ("neighbors", "Neighbors", "As the faces at the nearest side"),
+            ("neighbors", "Neighbors", "Same as the nearest faces"),
             ("smooth", "Smooth", "Smooth"),
             ("flat", "Flat", "Flat"),
         ],
@@ -149,12 +149,12 @@ class FillSmooth(Construction, waiting.Waiting):
     )
     keep_live: BoolProperty(
         name="Keep Live",
-        description="The fill is an object of its own that follows when the mesh around it changes, until it is applied",
+        description="Make a fill that follows changes of the mesh until applied",
         default=False,
     )
     width: FloatProperty(
         name="Width",
-        description="Blend the sharp edges among the selected faces over this distance on both sides (default: the faces)",
+        description="Width of the blend on both sides of a seam (default: the faces)",
         unit="LENGTH",
         min=0.0,
         default=0.0,
@@ -162,8 +162,8 @@ class FillSmooth(Construction, waiting.Waiting):
     )
     deviation: BoolProperty(
         name="Deviation",
-        description="Write how well each new vertex is known (one standard deviation in scene units) as the vertex attribute "
-        '"deviation", and mark the new faces by the face attribute "reconstructed"',
+        description="Store an error estimate at each new vertex (attribute "
+        '"deviation"), and mark the new faces ("reconstructed")',
         default=False,
     )
     computed_output: StringProperty(options=_HIDDEN)  # what "auto" means for this selection
@@ -577,7 +577,7 @@ if OPTIONS:
 
 
 class MESH_OT_fill_smooth(FillSmooth, bpy.types.Operator):
-    """Fill the selected holes so that the surface continues smoothly, or all holes if nothing or everything is selected"""
+    """Fill the selected holes with a smooth surface, or all holes if nothing is selected"""
 
     bl_idname = "mesh.fill_smooth"
     bl_label = "Fill Holes Smoothly"
@@ -585,7 +585,7 @@ class MESH_OT_fill_smooth(FillSmooth, bpy.types.Operator):
 
 
 class MESH_OT_fill_three_sided(FillSmooth, bpy.types.Operator):
-    """Fill Holes Smoothly, under the name that scripts of before have"""
+    """Fill Holes Smoothly, under its old name for scripts"""
 
     bl_idname = "mesh.fill_three_sided"
     bl_label = "Fill Holes Smoothly"
@@ -593,7 +593,7 @@ class MESH_OT_fill_three_sided(FillSmooth, bpy.types.Operator):
 
 
 class MESH_OT_edit_fill(FillSmooth, bpy.types.Operator):
-    """Make the selected fills again, with the options that they were made with, and change them"""
+    """Change the options of the selected fills"""
 
     bl_idname = "mesh.edit_fill"
     bl_label = "Edit Fill"

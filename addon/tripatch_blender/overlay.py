@@ -314,35 +314,34 @@ class TripatchOverlay(bpy.types.PropertyGroup):
     )
     surface: EnumProperty(
         name="Surface",
-        description="What is shown on the surface",
+        description="Quality to show on the surface",
         items=[
-            ("NONE", "Nothing", "The surface as it is"),
+            ("NONE", "Nothing", "Show no colors on the surface"),
             (
                 "ZEBRA",
                 "Zebra",
-                "Stripes of a room that the surface mirrors: where they break the surface has an edge, where they bend "
-                "sharply its curvature jumps",
+                "Reflected stripes. A broken stripe means an edge, a sharp bend means a jump of curvature",
             ),
-            ("HIGHLIGHT", "Highlight Lines", "Lines of equal slope against the direction; they stay when the view turns"),
-            ("CURVATURE", "Curvature", "Mean curvature: blue hollow, grey flat, red bulging"),
-            ("DEVIATION", "Deviation", "How far from here the surface may have been: blue well known, red guessed"),
+            ("HIGHLIGHT", "Highlight Lines", "Lines of equal slope against the direction, whatever the view"),
+            ("CURVATURE", "Curvature", "Mean curvature: blue is hollow, gray flat, red bulging"),
+            ("DEVIATION", "Deviation", "Error estimate of the fill: blue is accurate, red is not"),
         ],
         default="ZEBRA",
         update=_renew,
     )
     seam: BoolProperty(
         name="Seam",
-        description="Show along the rim of the last fill, or along the selected edges, how far both sides are from tangent",
+        description="Show the angle at the last fill's seam, or at the selected edges",
         default=True,
         update=_renew,
     )
-    folds: BoolProperty(name="Folds", description="Show in red where the surface is folded over", default=True, update=_renew)
+    folds: BoolProperty(name="Folds", description="Show folds in red", default=True, update=_renew)
     direction: FloatVectorProperty(
-        name="Direction", description="Across the stripes", subtype="DIRECTION", default=(0, 0, 1), update=_move
+        name="Direction", description="Direction across the stripes", subtype="DIRECTION", default=(0, 0, 1), update=_move
     )
     density: FloatProperty(
         name="Density",
-        description="Stripes over half a turn of the surface",
+        description="Number of stripes over half a turn of the surface",
         default=12,
         min=1,
         soft_max=60,
@@ -350,11 +349,11 @@ class TripatchOverlay(bpy.types.PropertyGroup):
         update=_move,
     )
     opacity: FloatProperty(
-        name="Opacity", description="Of what is drawn", subtype="FACTOR", default=1, min=0, max=1, update=_move
+        name="Opacity", description="Opacity of the overlay", subtype="FACTOR", default=1, min=0, max=1, update=_move
     )
     seam_most: FloatProperty(
         name="Red From",
-        description="Seams are red from this many degrees on",
+        description="Angle from which a seam is red",
         default=1,
         min=0.001,
         soft_max=30,
@@ -362,11 +361,19 @@ class TripatchOverlay(bpy.types.PropertyGroup):
         update=_renew,
     )
     fixed_range: BoolProperty(
-        name="Fixed Range", description="Colors end at a value that you choose, not at one of the mesh", update=_renew
+        name="Fixed Range", description="End the colors at a fixed value, not at one of the mesh", update=_renew
     )
-    curvature: FloatProperty(name="Curvature", description="Where colors end, in 1 / length", default=1, min=1e-6, update=_renew)
+    curvature: FloatProperty(
+        name="Curvature", description="Curvature at which the colors end, in 1 / length", default=1, min=1e-6, update=_renew
+    )
     deviation: FloatProperty(
-        name="Deviation", description="Where colors end", subtype="DISTANCE", default=0.01, min=1e-9, precision=4, update=_renew
+        name="Deviation",
+        description="Deviation at which the colors end",
+        subtype="DISTANCE",
+        default=0.01,
+        min=1e-9,
+        precision=4,
+        update=_renew,
     )
 
 

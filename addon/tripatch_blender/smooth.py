@@ -239,13 +239,13 @@ class MESH_OT_smooth_triangles(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     resolution: IntProperty(
-        name="Density", description="Edges that every edge is cut into", min=2, max=256, soft_max=32, default=3
+        name="Density", description="Number of edges that each edge is divided into", min=2, max=256, soft_max=32, default=3
     )
     curve: EnumProperty(
         name="Curve",
-        description="Curves over the edges",
+        description="Type of the curves over the edges",
         items=[
-            ("hermite", "Hermite", "Cubic curves whose end tangents are as long as the arc"),
+            ("hermite", "Hermite", "Cubic curves with end tangents as long as the arc"),
             ("smits", "Smits", "Heights over the edge along the blended normals (Smits 2000)"),
         ],
         default="hermite",

@@ -194,8 +194,7 @@ class TripatchTool(bpy.types.PropertyGroup):
 
     output: EnumProperty(
         name="Output",
-        description="What the hole is filled with. Until it is changed: quads, but triangles where the rim runs along more "
-        "triangles than quads",
+        description="Type of the new faces (default: match the surrounding faces)",
         items=_OUTPUTS,
         get=lambda settings: [name for name, *_ in _OUTPUTS].index(_output(settings)),
         set=lambda settings, place: _choose_output(settings, _OUTPUTS[place][0]),
@@ -203,7 +202,7 @@ class TripatchTool(bpy.types.PropertyGroup):
     chosen: StringProperty(options={"HIDDEN"})  # of these, by a person; none: what goes on with the faces around
     round: BoolProperty(
         name="Round",
-        description="The rim has no corners: the fill runs out of it the same way all around",
+        description="Remove all corners: the fill leaves the boundary evenly",
         get=lambda _: bool(_state.shaping and _state.shaping.shape.round),
         set=lambda _, on: _set_round(on),
     )
@@ -265,14 +264,18 @@ class _OfTool:
 
 
 class MESH_OT_shape_fill(_OfTool, bpy.types.Operator):
-    """Choose the hole to be shaped: the one under the mouse, or the selected one"""
+    """Shape the hole under the mouse, or the selected one"""
 
     bl_idname = "mesh.shape_fill"
     bl_label = "Shape Fill"
     bl_options = {"INTERNAL"}
 
-    pick: BoolProperty(name="Under Mouse", description="The hole under the mouse, not the selected one", options={"SKIP_SAVE"})
-    corner: BoolProperty(name="Corner", description="Make the vertex under the mouse a corner, or none", options={"SKIP_SAVE"})
+    pick: BoolProperty(
+        name="Under Mouse", description="Shape the hole under the mouse, not the selected one", options={"SKIP_SAVE"}
+    )
+    corner: BoolProperty(
+        name="Corner", description="Make the vertex under the mouse a corner, or remove it", options={"SKIP_SAVE"}
+    )
 
     def invoke(self, context, event):
         mouse = (event.mouse_region_x, event.mouse_region_y)
@@ -323,7 +326,7 @@ class _OfShaping(_OfTool):
 
 
 class MESH_OT_shape_fill_confirm(_OfShaping, waiting.Waiting, bpy.types.Operator):
-    """Fill the hole as it has been shaped"""
+    """Insert the shaped fill"""
 
     bl_idname = "mesh.shape_fill_confirm"
     bl_label = "Fill as Shaped"
@@ -359,7 +362,7 @@ class MESH_OT_shape_fill_confirm(_OfShaping, waiting.Waiting, bpy.types.Operator
 
 
 class MESH_OT_shape_fill_cancel(_OfShaping, bpy.types.Operator):
-    """Leave the hole as it is"""
+    """Leave the hole open"""
 
     bl_idname = "mesh.shape_fill_cancel"
     bl_label = "Leave the Hole"
@@ -565,7 +568,7 @@ def middle_handlers():
 
 
 class VIEW3D_PT_tripatch_problem(bpy.types.Panel):
-    """What hinders the fill, in whole"""
+    """The whole message"""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "HEADER"

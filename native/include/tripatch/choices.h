@@ -72,57 +72,53 @@ enum class SurroundingsFrom { mesh, limit };
 template <>
 inline constexpr std::array<Choice, 2> choices<SurroundingsFrom> = {{
     {"mesh", "", "Estimated from the faces around the hole"},
-    {"limit", "",
-     "The surface that a Subdivision modifier draws; the fill becomes a mesh of its own, since a cage's vertices do not lie on "
-     "it"},
+    {"limit", "", "The surface of a Subdivision modifier; the fill becomes a separate mesh"},
 }};
 
 enum class SideContinuity { automatic, free, g0, g1, g2 };
 template <>
 inline constexpr std::array<Choice, 5> choices<SideContinuity> = {{
     {"auto", "",
-     "The best that the method keeps, but Free where the mesh meets the hole at an angle; where the curvature of the "
-     "surroundings is "
-     "clear, fairing follows it by least squares"},
-    {"Free", "", "Meets the rim; the slope there is the fairing's choice (without fairing as G0)"},
-    {"G0", "Position", "Meets the rim (G0), with the slopes that the corners give"},
-    {"G1", "Tangent", "Continues the surrounding tangent planes (G1)"},
-    {"G2", "Curvature", "Continues the curvature as well (G2)"},
+     "The highest that the method supports, and curvature if it is clear; Free if the mesh meets the hole at an angle"},
+    {"Free", "", "Position only; fairing chooses the slope"},
+    {"G0", "Position", "Position only, with the slopes of the corners (G0)"},
+    {"G1", "Tangent", "Equal tangent planes (G1)"},
+    {"G2", "Curvature", "Equal tangent planes and curvature (G2)"},
 }};
 
 enum class Fairing { automatic, thin_plate, third_derivative, minimum_variation, quadric_variation };
 template <>
 inline constexpr std::array<Choice, 5> choices<Fairing> = {{
-    {"auto", "", "Softly the smaller of the last two: curvature varies least, unless the surface is near a quadric"},
+    {"auto", "", "Least variation of curvature, or the nearest quadric if one fits"},
     {"thin_plate", "", "Least bending"},
-    {"third_derivative", "", "Least change of bending, over the triangle"},
-    {"minimum_variation", "", "Least variation of curvature: spheres, cylinders"},
-    {"quadric_variation", "", "Nearest to quadrics: ellipsoids, saddles, cones"},
+    {"third_derivative", "", "Least change of bending"},
+    {"minimum_variation", "", "Least variation of curvature; exact for spheres and cylinders"},
+    {"quadric_variation", "", "Nearest to a quadric: ellipsoid, saddle, cone"},
 }};
 
 enum class Output { triangles, quads, cage };
 template <>
 inline constexpr std::array<Choice, 3> choices<Output> = {{
-    {"triangles", "", "Triangles with their vertices on the patch"},
-    {"quads", "", "Quads with their vertices on the patch"},
-    {"cage", "Subdivision Cage", "A few quads whose limit surface under a Subdivision modifier is the patch"},
+    {"triangles", "", "Triangles with vertices on the surface"},
+    {"quads", "", "Quads with vertices on the surface"},
+    {"cage", "Subdivision Cage", "A few quads that a Subdivision modifier turns into the surface"},
 }};
 
 /// Round a rim with an odd number of edges.
 enum class Odd { split, triangle };
 template <>
 inline constexpr std::array<Choice, 2> choices<Odd> = {{
-    {"split", "", "The longest edge of the rim is split"},
-    {"triangle", "", "A triangle is left in the middle"},
+    {"split", "", "Split the longest boundary edge"},
+    {"triangle", "", "Leave one triangle"},
 }};
 
 /// What happens along the rim of a cage.
 enum class CageRim { smooth, exact, move };
 template <>
 inline constexpr std::array<Choice, 3> choices<CageRim> = {{
-    {"smooth", "", "The whole cage is smooth; the surroundings move as little as possible"},
-    {"exact", "", "The rim is creased: the surface around an open hole does not move, the fill is made tangent to it"},
-    {"move", "", "As Smooth, and the vertices of the rim may move too"},
+    {"smooth", "", "Smooth everywhere; the surroundings move as little as possible"},
+    {"exact", "", "The boundary is creased, so the surface around an open hole does not move"},
+    {"move", "", "As Smooth, and boundary vertices may move too"},
 }};
 
 /// Slopes across the sides after Liu, Ma and Cheng (2008).
@@ -133,17 +129,17 @@ enum class CrossBoundary {
 };
 template <>
 inline constexpr std::array<Choice, 3> choices<CrossBoundary> = {{
-    {"given", "", "As the surroundings have them"},
-    {"consistent", "", "Such that they agree with the sides' tangents at the corners"},
-    {"as_printed", "", "By the paper's own equations, which lose its theorems", true},
+    {"given", "", "As in the surrounding surface"},
+    {"consistent", "", "Matched to the tangents at the corners"},
+    {"as_printed", "", "By the equations as printed, which contradict the paper's theorems", true},
 }};
 
 /// Of the formulas of Szilvasi-Nagy and Szabo (2006).
 enum class Reading { corrected, as_printed };
 template <>
 inline constexpr std::array<Choice, 2> choices<Reading> = {{
-    {"corrected", "", "Such that the fill meets its surroundings"},
-    {"as_printed", "", "As their paper has them, mistakes included", true},
+    {"corrected", "", "Corrected, so that the fill meets its surroundings"},
+    {"as_printed", "", "As printed, with the misprints", true},
 }};
 
 template <class Enum>

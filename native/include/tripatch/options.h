@@ -26,7 +26,7 @@ using Pair = std::array<double, 2>;
 enum class Cap { automatic, flat, dome };
 template <>
 inline constexpr std::array<Choice, 3> choices<Cap> = {{
-    {"auto", "Automatic", "Flat on a straight tube, else as the surrounding surface continues"},
+    {"auto", "Automatic", "Flat on a straight tube; otherwise as the surface continues"},
     {"flat", "", "A flat lid with sharp edges"},
     {"dome", "", "A round end, tangent to the surrounding surface"},
 }};

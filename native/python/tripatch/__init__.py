@@ -1,4 +1,4 @@
-"""TriPatch fills holes in meshes with surfaces that continue their surroundings.
+"""TriPatch fills holes in meshes so that the new surface blends smoothly into the old one.
 
 Corners are 0, 1, 2 in rim order, the direction in which the new faces traverse the rim. Of three, side i is opposite corner i and
 runs, t from 0 to 1, from corner i + 1 to corner i + 2; of another number, from corner i to corner i + 1. Lengths are in the units
