@@ -549,7 +549,7 @@ def test_sides_and_corners_count_from_one_in_sentences(addon):
     said = for_people(message("corner_planes_differ", {"angle": 9.0, "spread": 12.0, "corner": 2}, [7]))
     assert "at corner 3," in said
     said = for_people(message("method_lacks_options", {"method": "polyharmonic_spline", "options": ["center_offset", "tension"]}))
-    assert said == "Spline does not take Center and Tension"
+    assert said == "Spline does not take Center, Tension"
     assert "Recalculate Outside" in for_people(message("faces_flipped", {}, [3]))
 
 
