@@ -91,7 +91,7 @@ def _chosen(bm, matrix, arguments):
     every = selection.all_rims(bm)
     rims, left = ([rim for rim in every if frozenset(v.index for v in rim.loop) in each] for each in found)
     if not rims and len(left) < len(every):
-        raise selection.UnusableError("No hole is as it was asked for", code="filtered")
+        raise selection.UnusableError("All holes were excluded by your filters", code="filtered")
     return rims, left
 
 

@@ -146,7 +146,7 @@ def world_matrix(name, matrix):
     """The (4, 4) array of an object's matrix; UnusableError if it cannot be inverted."""
     world = np.array(matrix, dtype=np.float64)
     if not np.isfinite(world).all() or not np.linalg.cond(world[:3, :3]) < SCALED_TO_NOTHING:
-        raise UnusableError(f"{name} is scaled to nothing along an axis; Sidebar (N) > Item has the scale")
+        raise UnusableError(f"{name} has a scale of zero along an axis; Sidebar (N) > Item shows it")
     return world
 
 
@@ -679,6 +679,6 @@ def open_holes(bm, matrix, filters=None):
         raise NothingToFill([len(rim.loop) for rim in left], [v for rim in left for v in rim.loop])
     rims = filtered(bm, matrix, every, filters)
     if not rims:
-        none = f"None of the {len(every)} holes is as Holes asks for" if len(every) > 1 else "The hole is not as Holes asks for"
-        raise UnusableError(none, [v for rim in every for v in rim.loop])
+        said = f"All {len(every)} holes were" if len(every) > 1 else "The hole was"
+        raise UnusableError(f"{said} excluded by your filters", [v for rim in every for v in rim.loop])
     return rims, left

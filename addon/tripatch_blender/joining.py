@@ -91,8 +91,7 @@ def join(ob, fill, distance):
         name = before.name
         ob.modifiers.remove(modifier)
         raise UnusableError(
-            f"The modifier '{name}' of {ob.name} needs the object's own mesh, so that no live fill can be joined before it; "
-            "turn off Keep Live"
+            f"The modifier '{name}' of {ob.name} must be the first, so no live fill can be joined before it; turn off Keep Live"
         )
     return modifier
 

@@ -365,9 +365,7 @@ def _keep_hole(ob, loop, how, options):
     if sum(material is None for material in ob.data.materials) > 1 and any(slot.link == "OBJECT" for slot in ob.material_slots):
         raise UnusableError(f"Materials of {ob.name} are linked to the object; a live fill needs them linked to the mesh (Data)")
     if (modifier := joining.by_groups(ob)) and not joining.keeps_groups():
-        raise UnusableError(
-            f"In this Blender a joined mesh has no vertex groups, by which {modifier.name} goes; turn off Keep Live"
-        )
+        raise UnusableError(f"This Blender cannot join vertex groups, which {modifier.name} needs; turn off Keep Live")
     # it must not move the vertices of what it follows, crease its edges or split them
     fixed = {"cage_rim": "smooth", "odd": "triangle"}
     applying = {"cage": fixed, "quads": {"odd": "triangle"}}.get(options.arguments.get("output"), {})

@@ -180,7 +180,7 @@ def _region_to_replace(region, holes, by_faces):
     place = f"near vertex {region[0].verts[0].index}"
     if border:
         vertices = [v for e in border for v in e.verts]
-        raise UnusableError(f"The selected faces {place} reach the border of the mesh without going round a hole", vertices)
+        raise UnusableError(f"The selected faces {place} touch the border of the mesh; select faces inside it", vertices)
     loops = [loop[::-1] for loop in _loops(region)]
     vertices = [v for loop in loops for v in loop]
     if not loops or len(vertices) > len(set(vertices)):

@@ -163,7 +163,7 @@ def in_cage(ob, cage, bm, rim):
     for edge, a in zip(edges_of(cage, loop), loop, strict=True):
         if edge is None or len([f for f in edge.link_faces if f not in replaced]) != 1:
             raise UnusableError(
-                f"A modifier of {ob.name} closes the hole at vertex {a.index}, or changes its rim there; apply it"
+                f"A modifier of {ob.name} closes the hole at vertex {a.index}, or changes its boundary there; apply it"
             )
     return Rim(loop, [vertex[v] for v in rim.corners], vertex.get(rim.first), replaced, fill=rim.fill)
 

@@ -23,9 +23,7 @@ def seam_of(faces):
     turns = {e: e.calc_face_angle(0.0) for e in inner}
     most = max(turns.values(), default=0.0)
     if most < _LEAST_TURN:
-        raise UnusableError(
-            "The selected faces have no sharp edges from which Width could be measured", [v for f in faces for v in f.verts]
-        )
+        raise UnusableError("The selected faces have no sharp edge to measure Width from", [v for f in faces for v in f.verts])
     return selection.by_index(e for e, turn in turns.items() if turn > _SHARE_OF_SHARPEST * most)
 
 

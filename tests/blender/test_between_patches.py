@@ -265,7 +265,7 @@ def test_bad_surfaces():
     spline.use_cyclic_u = spline.use_cyclic_v = False
     obs[2].scale = (0, 1, 1)
     bpy.context.view_layer.update()
-    refused(obs, "C is scaled to nothing")
+    refused(obs, "C has a scale of zero")
     refused(obs[:1], "two to twelve surface or mesh objects")
     obs[2].scale = (1, 1, 1)
     bpy.context.view_layer.update()

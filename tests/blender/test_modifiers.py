@@ -492,7 +492,7 @@ def test_a_live_fill_goes_with_the_vertex_groups_of_its_mesh(addon):
     scenes.select_rim(bm, scenes.border_loops(bm)[0])
     if not sys.modules[addon.__name__ + ".joining"].keeps_groups():
         assert bpy.app.version < (4, 5)
-        with pytest.raises(RuntimeError, match="no vertex groups, by which Armature goes"):
+        with pytest.raises(RuntimeError, match="cannot join vertex groups, which Armature needs"):
             smooth(keep_live=True)
         assert not ob.children and len(ob.modifiers) == 1
         return

@@ -174,7 +174,7 @@ def test_of_all_holes_those_that_the_filters_let_through(filters, left, everythi
     if everything:
         bpy.ops.mesh.select_all(action="SELECT")
     if left is None:
-        with pytest.raises(RuntimeError, match="None of the 3 holes is as Holes asks for"):
+        with pytest.raises(RuntimeError, match="All 3 holes were excluded by your filters"):
             smooth(**filters)
         return
     assert smooth(**filters) == {"FINISHED"}
@@ -187,7 +187,7 @@ def test_holes_that_the_filters_keep_out_are_selected_by_hand(addon):
     rims = {v.index for loop in scenes.border_loops(bm)[:-1] for v in loop}
     state = operator(addon, corner_count=(4, 6), use_corner_count=True)
     assert state.invoke(bpy.context, None) == {"FINISHED"}
-    assert state.said == [({"WARNING"}, "None of the 3 holes is as Holes asks for")]
+    assert state.said == [({"WARNING"}, "All 3 holes were excluded by your filters")]
     assert {v.index for v in bmesh.from_edit_mesh(ob.data).verts if v.select} == rims
 
 

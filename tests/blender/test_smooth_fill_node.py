@@ -196,7 +196,7 @@ def test_a_hole_that_cannot_be_filled_is_named_at_the_node(fills, following):
     ob.scale.x = 0
     bpy.context.view_layer.update()
     following.follow_node(node.node_tree.name)
-    assert "scaled to nothing" in fills.problem_of(node)
+    assert "a scale of zero" in fills.problem_of(node)
     assert shown(ob)[2] == 36, "the last fill stays"
 
 

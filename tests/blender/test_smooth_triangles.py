@@ -386,7 +386,7 @@ def test_an_object_scaled_to_nothing_is_refused():
     ob.scale.z = 0
     bpy.context.view_layer.update()
     select_all(ob)
-    refusal(ob, "scaled to nothing")
+    refusal(ob, "a scale of zero")
 
 
 def test_undo_brings_back_every_bit_and_redo_the_surface():

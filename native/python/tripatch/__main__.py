@@ -242,7 +242,7 @@ def _fill(args: argparse.Namespace) -> int:
         results = filling.fill_all(mesh.vertices, mesh.faces, found, progress=_progress, **options)
         holes = list(zip(results.rims, results, strict=True))
         if not holes:
-            _say("Nothing to fill: no hole is as it was asked for")
+            _say("Nothing to fill: all holes were excluded by your filters")
     else:
         try:
             holes = [(options.get("rim"), tripatch.fill(mesh.vertices, mesh.faces, **options))]
