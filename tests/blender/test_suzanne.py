@@ -79,7 +79,7 @@ def test_three_sides_that_lie_in_other_planes_at_their_corners_are_left_to_the_s
     left = [f for f in faces if f not in gone]
     (rim,) = [loop for loop in tripatch.find_holes(left) if set(loop.tolist()) <= near]
     fill = tripatch.fill(vertices, left, rim=rim)
-    assert fill.report.method == "polyharmonic_spline" and "surroundings as a whole" in fill.report.method_reason
+    assert fill.report.method == "polyharmonic_spline" and "surrounding surface" in fill.report.method_reason
     own = tripatch.fill(vertices, left, rim=rim, corners=tripatch.find_corners(vertices, left, rim))
     assert own.report.method == "side_vertex"  # corners that are given are a person's
 
@@ -104,7 +104,7 @@ def test_three_sides_that_make_a_lump_of_the_face_of_a_box_are_left_to_the_splin
     left = [f for f in faces if f not in gone]
     (rim,) = [loop for loop in tripatch.find_holes(left) if set(loop.tolist()) <= near]
     fill = tripatch.fill(vertices, left, rim=rim)
-    assert "surroundings as a whole" in fill.report.method_reason
+    assert "surrounding surface" in fill.report.method_reason
     assert np.abs(fill.vertices).max() < 1.25  # the box is 1 in every direction
     own = tripatch.fill(vertices, left, rim=rim, corners=tripatch.find_corners(vertices, left, rim))
     assert own.report.method == "side_vertex"

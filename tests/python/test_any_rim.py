@@ -112,11 +112,11 @@ def test_an_edge_that_the_mesh_has_is_not_made_again():
 def test_auto_takes_the_exact_patch_between_smooth_sides_and_says_why():
     vertices, faces, rim = octant()
     fill = tripatch.fill(vertices, faces, rim=rim)
-    assert (fill.report.method, fill.report.method_reason) == ("side_vertex", "the rim has three smooth sides")
+    assert (fill.report.method, fill.report.method_reason) == ("side_vertex", "the hole has three smooth sides")
     assert fill.deviation is None
     plain = tripatch.fill(vertices, faces, rim=rim, method="side_vertex")
     assert np.array_equal(fill.vertices, plain.vertices)
-    assert plain.report.method_reason == "it was asked for"
+    assert plain.report.method_reason == "it was requested"
 
 
 def test_either_method_can_be_insisted_on():

@@ -107,7 +107,7 @@ def test_auto_takes_one_of_the_two_kinds_and_says_why():
     egg = vertices * (1, 0.8, 1.3) + 0.05 * vertices[:, :1] * vertices[:, 1:2]
     auto = tripatch.fill(egg, faces, rim=np.arange(32), corners=corners)
     assert auto.report.method in ("polyharmonic_spline", "multi_sided")
-    assert "4 smooth sides" in auto.report.method_reason or "the surroundings as a whole" in auto.report.method_reason
+    assert "4 smooth sides" in auto.report.method_reason or "the whole surrounding surface" in auto.report.method_reason
     same = tripatch.fill(egg, faces, rim=np.arange(32), corners=corners, method=auto.report.method)
     assert np.array_equal(same.vertices, auto.vertices)
     # what only shapes the fill does not choose another
@@ -182,7 +182,7 @@ def test_a_corner_that_turns_little_is_no_kink_in_a_side():
 def test_the_method_can_be_insisted_on():
     vertices, faces, corners = around(5)
     fill = tripatch.fill(vertices, faces, rim=np.arange(40), corners=corners, method="multi_sided")
-    assert fill.report.method == "multi_sided" and fill.report.method_reason == "it was asked for"
+    assert fill.report.method == "multi_sided" and fill.report.method_reason == "it was requested"
     found = tripatch.fill(vertices, faces, rim=np.arange(40), method="multi_sided")
     assert sorted(found.report.corners) == corners
 

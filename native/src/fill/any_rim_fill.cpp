@@ -212,7 +212,7 @@ Fill fill_around_islands(const Ground& ground, const std::vector<Index>& rim, co
   if (options.islands.size() == 1 && options.through.empty()) {
     try {
       ring = fill_ring(ground, rim, options, "the fill joins two boundaries");
-      reason = "the surroundings as a whole tell of another surface than the two boundaries";
+      reason = "the surrounding surface fits better than a ring between the two boundaries";
     } catch (const Refusal& refusal) {
       reason = std::string("no ring joins the two boundaries: ") + refusal.what();
     }
@@ -242,7 +242,7 @@ Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOp
   const Connectivity nothing = without_faces(ground.mesh);
   Fill fill = fill_with_spline(ground.mesh, ground.left, rim, {},
                                {options.resolution, options.output == Output::quads, false, &nothing, options.through});
-  fill.report.method_reason = "the hole has lost a flat wall";
+  fill.report.method_reason = "a flat wall is missing";
   fill.report.warnings = {{Code::flat_all_around}};
   return fill;
 }

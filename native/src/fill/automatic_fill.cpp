@@ -30,7 +30,7 @@ namespace tripatch {
 
 namespace {
 
-const std::string round_of_revolution = "the rim is round, and what surrounds it of revolution";
+const std::string round_of_revolution = "the hole is round, and its surroundings are of revolution";
 
 /// What a refusal says, as part of a sentence, without what to do about it, which a fill that was made does not ask for.
 std::string without_advice(std::string said) {
@@ -73,7 +73,7 @@ struct SidesFound {
 };
 
 std::string smooth_sides_of(std::size_t count) {
-  return "the rim has " + (count == 3 ? "three" : std::to_string(count)) + " smooth sides";
+  return "the hole has " + (count == 3 ? "three" : std::to_string(count)) + " smooth sides";
 }
 
 /// Finds the sides of a hole.
@@ -90,7 +90,7 @@ public:
     if (options.cap != Cap::automatic && options.islands.empty()) return cap();
     if (!options.islands.empty()) return none("the hole has islands");
     if (!given_) return detected();
-    if (given_->empty()) return round_or("a round rim was asked for, and this one is not smooth");
+    if (given_->empty()) return round_or("a round hole was requested, but its boundary is not smooth");
     out_.is_flat = lost_a_wall(ground_, loop_, *given_, options);
     if (out_.is_flat) options.continuity = SideContinuity::free;
     if (makes_polygon(*given_) || (given_->size() == 3 && !options.through.empty())) return polygon(*given_);
@@ -109,7 +109,7 @@ private:
     if (const std::string crease = crease_across(); !crease.empty()) return none(crease);
     if (lost_a_wall(ground_, loop_, corners, out_.options)) {
       out_.has_lost_wall = true;
-      return none("the hole has lost a flat wall");
+      return none("a flat wall is missing");
     }
     if (makes_polygon(corners) || (corners.size() == 3 && !out_.options.through.empty())) return polygon(corners);
     try {
@@ -132,9 +132,9 @@ private:
     const Features near = find_features(ground_.mesh, ground_.left, loop_);
     const auto goes_on = [&](const Connectivity& around) { return find_features(ground_.mesh, around, loop_).found(); };
     if (near.found() && (!ground_.is_part() || goes_on(Connectivity(ground_.mesh, out_.options.replaced))))
-      return near.walls && near.walls->first.size() == 1 ? "a flat wall goes on over the hole"
+      return near.walls && near.walls->first.size() == 1 ? "a flat wall continues over the hole"
              : near.walls                                ? "flat walls around the hole meet in it"
-                                                         : "a crease of the surroundings goes on across the hole";
+                                                         : "a crease of the surroundings continues across the hole";
     const auto is_known = [&](Index v) { return ground_.left.knows(v); };
     // what is not there need not be sought again
     out_.options.features = near.found() || !std::all_of(near.vertices.begin(), near.vertices.end(), is_known);
@@ -144,7 +144,7 @@ private:
   SidesFound cap() {
     out_.has_lost_wall = out_.options.cap == Cap::flat;
     out_.of_spline.emplace();
-    out_.reason = std::string("a ") + name_of(out_.options.cap) + " cap was asked for";
+    out_.reason = std::string("a ") + name_of(out_.options.cap) + " cap was requested";
     if (out_.options.cap == Cap::flat) {
       check_finite(ground_.mesh, ground_.left, loop_);
       return std::move(out_);
@@ -157,7 +157,7 @@ private:
     out_.of_spline.emplace();
     if (!is_round(ground_.mesh, ground_.left, loop_)) return none(otherwise);
     out_.domain = Domain::disc;
-    out_.reason = "the rim is round";
+    out_.reason = "the hole is round";
     return std::move(out_);
   }
   SidesFound polygon(const std::vector<Index>& corners) {
@@ -254,9 +254,9 @@ std::string skip_rows(FillProblem& problem, const TriedFills&) {
   const bool as_they_come = !problem.corners && options.resolution.value_or(0) == 0;
   if (!as_they_come || !options.islands.empty() || !options.through.empty() || meets_position_only(options) ||
       options.cap != Cap::automatic)
-    return "the options ask for what rows have not";
+    return "rows have no such options";
   const bool among_quads = options.output != Output::triangles || is_among_quads(problem.ground.left, problem.loop);
-  return among_quads ? "" : "the faces around the hole are no quads";
+  return among_quads ? "" : "the faces around the hole are not quads";
 }
 
 Fill make_rows(FillProblem& problem, const TriedFills&) {
@@ -331,14 +331,14 @@ Fill make_patch(FillProblem& problem, const TriedFills&) {
 std::string skip_lower_cap(FillProblem& problem, const TriedFills& tried) {
   if (!problem.is_of_revolution) return "the surroundings are not of revolution";
   const bool leaves = patch_in(tried).row.quality.leaves_hole && is_continuity_open(problem.sides().options);
-  return leaves ? "" : "the cap may go on as its surroundings bend";
+  return leaves ? "" : "the cap follows the curvature of its surroundings";
 }
 
 Fill make_lower_cap(FillProblem& problem, const TriedFills&) {
   for (const SideContinuity less : {SideContinuity::g1, SideContinuity::free}) {
     Fill fill = make_disc(problem, &less);
     if (!problem.is_of_revolution || !is_valid(judged(problem, fill))) continue;
-    fill.report.method_reason = round_of_revolution + "; as these bend it would leave the hole";
+    fill.report.method_reason = round_of_revolution + "; a cap that follows their curvature would leave the hole";
     if (less == SideContinuity::free) fill.report.warnings.push_back({Code::flat_all_around});
     return fill;
   }
@@ -346,7 +346,7 @@ Fill make_lower_cap(FillProblem& problem, const TriedFills&) {
 }
 
 std::string skip_lid(FillProblem& problem, const TriedFills&) {
-  return problem.sides().has_lost_wall ? "" : "the hole has lost no flat wall";
+  return problem.sides().has_lost_wall ? "" : "no flat wall is missing";
 }
 
 Fill make_lid(FillProblem& problem, const TriedFills&) {
@@ -363,23 +363,23 @@ std::string why_spline(FillProblem& problem, const TriedFills& tried) {
   if (sides.domain == Domain::none || problem.options.cap != Cap::automatic) return sides.reason;
   const std::size_t count = sides.domain == Domain::triangle ? 3 : sides.corners.size();
   const std::string between =
-      sides.domain == Domain::disc ? "over the round rim" : "between " + std::to_string(count) + " corners";
+      sides.domain == Domain::disc ? "over the round hole" : "between " + std::to_string(count) + " corners";
   const FillCandidate& patch = patch_in(tried).row;
   if (patch.status == CandidateStatus::refused) return "no patch fits " + between + ": " + patch.why;
   if (patch.quality.crosses) return "a patch " + between + " would cross itself";
   if (patch.quality.folds > 0) return "a patch " + between + " would fold";
   if (patch.quality.leaves_hole) return "a patch " + between + " would leave the hole";
-  return "the surroundings as a whole tell more than " +
-         (sides.domain == Domain::disc ? "the round rim alone" : "their " + std::to_string(count) + " sides alone");
+  return "the whole surrounding surface says more than " +
+         (sides.domain == Domain::disc ? "the round boundary" : "its " + std::to_string(count) + " sides");
 }
 
 std::string skip_spline(FillProblem& problem, const TriedFills& tried) {
   if (problem.sides().has_lost_wall) return problem.sides().reason;
   const Tried* const best = best_of(tried);
   if (!best || !is_valid(best->row.quality)) return "";
-  if (wants_patch(problem)) return "a patch between the sides is asked for";
+  if (wants_patch(problem)) return "a patch between the sides was requested";
   if (problem.is_of_revolution) return "the surroundings are of revolution, as the patch is";
-  return is_beside_sharp(*best->fill) ? "the patch knows which sides the mesh meets at an angle" : "";
+  return is_beside_sharp(*best->fill) ? "the patch takes account of sides that meet the mesh at an angle" : "";
 }
 
 Fill make_spline(FillProblem& problem, const TriedFills& tried) {
@@ -391,10 +391,10 @@ Fill make_spline(FillProblem& problem, const TriedFills& tried) {
 /// The spline with the tangent planes of a patch that is not valid itself, if they are known better.
 std::string skip_spline_with_planes(FillProblem& problem, const TriedFills& tried) {
   const Tried &patch = patch_in(tried), &spline = tried.back();
-  if (!patch.fill || is_valid(patch.row.quality)) return "a patch has these tangent planes";
-  if (asks_for_sides(problem.sides().options)) return "sides are asked for";
+  if (!patch.fill || is_valid(patch.row.quality)) return "a patch has these tangent planes already";
+  if (asks_for_sides(problem.sides().options)) return "sides were requested";
   const bool better = spline.fill && patch.fill->report.surroundings_error < spline.fill->report.surroundings_error;
-  return better ? "" : "the sides do not know their tangent planes better";
+  return better ? "" : "the tangent planes of the sides are not more accurate";
 }
 
 Fill make_spline_with_planes(FillProblem& problem, const TriedFills& tried) {

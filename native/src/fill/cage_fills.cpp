@@ -56,11 +56,10 @@ constexpr double likely = 3.5;
 constexpr Index many = 150;
 /// If it folds or crosses itself there, it is made fair after all up to so many vertices, which takes three seconds.
 constexpr Index most_fair = 1000;
-constexpr const char* grown_reason = "the quads go on from those around the hole";
-constexpr const char* placed_reason =
-    "the fairest cage would run off: its vertices lie where the faces around the hole would go on";
-constexpr const char* guessed_reason = "the rim has no clear corners: the cage lies between four of its vertices";
-constexpr const char* many_reason = "so many vertices lie where the faces around the hole would go on";
+constexpr const char* grown_reason = "the quads around the hole continue";
+constexpr const char* placed_reason = "the fairest cage would leave the surrounding surface, so its vertices lie on that surface";
+constexpr const char* guessed_reason = "the hole has no clear corners, so the cage lies between four of its vertices";
+constexpr const char* many_reason = "a cage of so many vertices lies on the surrounding surface";
 
 /// Whether the patch's own shape is asked for.
 bool has_own_shape(const FillOptions& options) {

@@ -129,7 +129,8 @@ std::optional<Fill> fill_with_many_sides(const Ground& ground, const std::option
     const CorneredRim found = cornered(ground, loop, given);
     fill = std::move(fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options).fill);
   }
-  fill.report.method_reason = options.method == polygon_method ? "it was asked for" : "points inside are met over a polygon";
+  fill.report.method_reason =
+      options.method == polygon_method ? "it was requested" : "a patch over a polygon meets the points inside";
   return fill;
 }
 
@@ -252,8 +253,8 @@ Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>
   }
   if (automatic) return fill_and_shape(ground, loop, corners, options);
   Fill fill = options.method == rows_method      ? fill_with_rows_only(ground, loop, corners, options)
-              : options.method == annulus_method ? fill_ring(ground, loop, options, "it was asked for")
-                                                 : fill_any_rim(ground, loop, corners, options, "it was asked for");
+              : options.method == annulus_method ? fill_ring(ground, loop, options, "it was requested")
+                                                 : fill_any_rim(ground, loop, corners, options, "it was requested");
   shape(ground.mesh, ground.left, sizes_of(options.islands), options, fill);
   return fill;
 }

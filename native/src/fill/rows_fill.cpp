@@ -259,7 +259,7 @@ Fill fill_with_rows_only(const Ground& ground, const std::vector<Index>& rim, co
   const auto is_other = [&](Index v) { return std::ranges::find(fill->report.corners, v) == fill->report.corners.end(); };
   if (!fill || (corners && (corners->size() != fill->report.corners.size() || std::ranges::any_of(*corners, is_other))))
     throw CodedRefusal(Code::no_rows_of_quads, rim);
-  fill->report.method_reason = "it was asked for";
+  fill->report.method_reason = "it was requested";
   return std::move(*fill);
 }
 

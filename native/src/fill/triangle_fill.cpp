@@ -23,9 +23,9 @@ namespace tripatch {
 void complete_report(const SidedRim& hole, const FillOptions& options, Report& report) {
   const bool automatic = options.method == automatic_method, three = hole.is_triangle();
   report.method = three ? find_method(automatic ? patch_method : options.method).name : polygon_method;
-  report.method_reason = !automatic ? "it was asked for"
-                         : three    ? "the rim has three smooth sides"
-                                    : "the rim has " + std::to_string(hole.sides()) + " sides";
+  report.method_reason = !automatic ? "it was requested"
+                         : three    ? "the hole has three smooth sides"
+                                    : "the hole has " + std::to_string(hole.sides()) + " sides";
   take_corners(hole.rim, hole.corners, report);
   tell_corners(report);
   tell_folds(report);

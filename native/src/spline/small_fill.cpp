@@ -479,7 +479,7 @@ std::optional<Fill> fill_with_one_triangle(const Mesh& mesh, const Connectivity&
   fill.rim = rim;
   fill.faces.add(rim);
   fill.report.corners = rim;
-  complete(mesh, around, "the rim has three edges", fill);
+  complete(mesh, around, "the hole has three edges", fill);
   if (!(fill.report.seam_angle_max < folded_degrees)) return {};
   const Vec3 a = mesh.vertices.row(rim[0]), b = mesh.vertices.row(rim[1]), c = mesh.vertices.row(rim[2]);
   fill.rim_normals = (b - a).cross(c - a).normalized().transpose().replicate(3, 1);

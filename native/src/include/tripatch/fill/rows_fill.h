@@ -11,7 +11,7 @@
 namespace tripatch {
 
 /// Why such a fill is made, where nobody asked for it.
-constexpr const char* rows_reason = "rows of quads go on across the hole";
+constexpr const char* rows_reason = "rows of quads continue across the hole";
 
 /// Quads, or halves of these, as many as the rim's edges ask for: of a block (see quad_rows) on a surface through all rows, of other outlines
 /// (see go_on) without one. rim: in the direction of new faces. None where no rows go on, where the surroundings meet the rim at an angle,
