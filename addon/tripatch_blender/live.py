@@ -14,11 +14,27 @@ from contextlib import contextmanager
 import bmesh
 import bpy
 
-from . import beside, between_patches, blends, filling, joining, layers, mirrored, selection, sentences, waiting, writeback
+from . import (
+    beside,
+    between_patches,
+    blends,
+    copies,
+    filling,
+    joining,
+    layers,
+    mirrored,
+    selection,
+    sentences,
+    smooth,
+    waiting,
+    writeback,
+)
 from .library import np, tripatch
 from .selection import Rim, UnusableError
 
 _SETTINGS, _PROBLEM, _AROUND = "tripatch_live", "tripatch_problem", "tripatch_around_"
+#: Kinds of fills that move with what they follow.
+_IN_OBJECT = ("hole", "smooth")
 #: Of the extent of a rim: how far on average the vertices of another border may be from where the rim was to count as it.
 _SAME_RIM = 0.5
 
@@ -77,79 +93,6 @@ def forget(fill):
 # What lies around.
 
 
-def _mixed(mesh):
-    """The vertices (n, 3) of a mesh in object mode as its shape keys mix them."""
-    count = len(mesh.vertices)
-
-    def read(elements):
-        values = np.empty(3 * count, np.float32)
-        elements.foreach_get("co", values)
-        return values.reshape(-1, 3)
-
-    keys = mesh.shape_keys
-    if not keys or not keys.key_blocks:
-        return read(mesh.vertices)
-    if not keys.use_relative:
-        raise UnusableError("Shape keys that are absolute cannot be followed; make them relative")
-    shapes = {key.name: read(key.data) for key in keys.key_blocks}
-    mixed = shapes[keys.reference_key.name].copy()
-    for key in keys.key_blocks:
-        if not key.mute and key.value and key != keys.reference_key:
-            mixed += key.value * (shapes[key.name] - shapes[key.relative_key.name]) * _weights(mesh, key)
-    return mixed
-
-
-def _weights(mesh, key):
-    """How much each vertex takes part in a shape key, 1 or (n, 1)."""
-    owner = next((ob for ob in bpy.data.objects if ob.data == mesh), None)
-    group = owner.vertex_groups.get(key.vertex_group) if owner and key.vertex_group else None
-    if group is None:
-        return 1
-    held = [next((g.weight for g in v.groups if g.group == group.index), 0.0) for v in mesh.vertices]
-    return np.array(held, np.float32)[:, None]
-
-
-def _shown_key(ob):
-    """The only shape key that the object shows, or None for the mix of all."""
-    return ob.active_shape_key if ob.show_only_shape_key else None
-
-
-def _mesh_now(ob):
-    """A new mesh with what an object's mesh is now."""
-    if ob.mode == "EDIT":
-        copy = bpy.data.meshes.new("TriPatch")
-        bmesh.from_edit_mesh(ob.data).to_mesh(copy)
-        return copy
-    co, only = _mixed(ob.data), _shown_key(ob)
-    if only is not None:
-        only.data.foreach_get("co", flat := np.empty(3 * len(co), np.float32))
-        co = flat
-    copy = ob.data.copy()
-    copy.vertices.foreach_set("co", co.ravel())
-    return copy
-
-
-def _copy(ob):
-    """A BMesh of an object's mesh as it is now, without its other shapes, and the stand-ins in it, for layers.restore."""
-    stand_ins: tuple = ([], None)
-    if ob.mode == "EDIT" and not layers.aside(ob.data):
-        bm = bmesh.from_edit_mesh(ob.data).copy()
-    else:
-        mesh = _mesh_now(ob)
-        try:
-            stand_ins = layers.replaced(mesh)
-            bm = bmesh.new()
-            bm.from_mesh(mesh)
-        finally:
-            bpy.data.meshes.remove(mesh)
-    for layer in list(bm.verts.layers.shape.values()):
-        bm.verts.layers.shape.remove(layer)
-    bm.verts.ensure_lookup_table()
-    bm.verts.index_update()
-    bm.faces.index_update()
-    return bm, stand_ins
-
-
 def state_of(fill):
     """A number that changes with what a fill follows: positions, faces, shape keys, surfaces, scales."""
     settings, found = settings_of(fill), 0
@@ -160,7 +103,7 @@ def state_of(fill):
 
     for ob in around(fill):
         matrix = np.array(ob.matrix_world, np.float64)
-        take(matrix[:3, :3] if settings["kind"] == "hole" else matrix)
+        take(matrix[:3, :3] if settings["kind"] in _IN_OBJECT else matrix)
         if ob.type == "SURFACE":
             for spline in ob.data.splines:
                 take(np.array([tuple(p.co) for p in spline.points], np.float64))
@@ -168,7 +111,7 @@ def state_of(fill):
         elif ob.mode == "EDIT":
             _take_edited(ob, settings, take)
         else:
-            take(_mixed(ob.data))
+            take(copies.mixed(ob.data))
             corners = np.empty(len(ob.data.loops), np.int32)
             ob.data.loops.foreach_get("vertex_index", corners)
             take(corners)
@@ -178,11 +121,15 @@ def state_of(fill):
 
 
 def _take_edited(ob, settings, take):
-    """Of a mesh in edit mode only what lies around the rim, where the rim is still one."""
+    """Of a mesh in edit mode: of a hole only what lies around the rim, where the rim is still one."""
     bm = bmesh.from_edit_mesh(ob.data)
     bm.verts.ensure_lookup_table()
     bm.verts.index_update()
     bm.faces.index_update()
+    if settings["kind"] == "smooth":
+        take(np.array([v for face in bm.faces for v in (*(v.index for v in face.verts), -1)], np.int64))
+        take(selection.coordinates(bm.verts))
+        return
     loop = _same_loop(bm, settings)
     seeds = loop or selection.border_vertices(bm)
     positions, faces, _ = selection.Surroundings(bm, np.eye(4)).around(Rim(seeds))
@@ -278,7 +225,7 @@ def _filled(ob, bm, mesh, settings, options, active=None):
 def _fill_hole(fill, settings):
     """Fills the mesh of a live fill of a hole anew; returns the filling.Outcome."""
     (ob,) = around(fill)
-    (bm, stand_ins), options = _copy(ob), _options(settings)
+    (bm, stand_ins), options = copies.copy(ob), _options(settings)
     try:
         with writeback.layers_of_fills(bm, options.deviation):
             outcome, new = _filled(ob, bm, fill.data, settings, options)
@@ -305,11 +252,25 @@ def write(fill, bm, faces, like):
     bm.to_mesh(fill.data)
 
 
+def _smooth(fill, settings):
+    """Smooths the faces of an object into the mesh of a live fill."""
+    (ob,) = around(fill)
+    bm, stand_ins = copies.copy(ob)
+    try:
+        write(fill, bm, set(smooth.smooth_copy(ob, bm, **settings["smooth"])), ob.data)
+        layers.restore(fill.data, stand_ins)
+        selection.name_groups(fill, ob)
+    finally:
+        bm.free()
+
+
 def _follow(fill):
     """Fills anew; returns what became of it. UnusableError or ValueError if it cannot be filled, and nothing has changed."""
     settings, outcome = settings_of(fill), None
     if settings["kind"] == "hole":
         outcome = _fill_hole(fill, settings)
+    elif settings["kind"] == "smooth":
+        _smooth(fill, settings)
     elif settings["kind"] == "patches":
         between_patches.mesh_between(around(fill), **settings["between"], mesh=fill.data)
     else:
@@ -394,6 +355,21 @@ def _keep_hole(ob, loop, how, options):
         raise UnusableError(getattr(reason, "said", str(reason))) from None
     outcome.live.append(fill.name)
     return outcome
+
+
+def keep_smooth(ob, faces, resolution, curve):
+    """A live copy of some faces of a mesh in edit mode, smoothed: a new object. faces: as of smooth.chosen. UnusableError."""
+    made = bpy.data.objects.new(f"{ob.name} Smooth", bpy.data.meshes.new(f"{ob.data.name} Smooth"))
+    _remember(made, {"kind": "smooth", "smooth": {"faces": faces, "resolution": resolution, "curve": curve}}, [ob])
+    for collection in beside.collections_of(ob):
+        collection.objects.link(made)
+    made.parent = ob
+    try:
+        _follow(made)
+    except (UnusableError, tripatch.Refusal, ValueError):
+        bpy.data.meshes.remove(made.data)  # and the object with it
+        raise
+    return made
 
 
 def keep_patches(fill, objects, **between):

@@ -13,7 +13,7 @@ from typing import Any
 import bmesh
 import bpy
 
-from . import filling, joining, layers, live, selection, sentences, versions, writeback
+from . import copies, filling, joining, layers, live, selection, sentences, versions, writeback
 from .library import np, tripatch
 from .selection import NothingToFill, UnusableError
 
@@ -213,7 +213,7 @@ def _input_mesh(ob, modifier, node):
     data = None
     try:
         if ob.type == "MESH":
-            data = copy.data = live._mesh_now(ob)
+            data = copy.data = copies.mesh_now(ob)
         scene.frame_current, scene.frame_subframe = now.frame_current, now.frame_subframe
         live.forget(copy)
         at = ob.modifiers.find(modifier.name)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import bmesh
 import bpy
-from bpy.props import EnumProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty
 
 from . import attributes, filling, layers, library, normals, selection, writeback
 from .library import np, tripatch
@@ -231,6 +231,27 @@ def write(planned):
     return new_faces
 
 
+def chosen(bm):
+    """The selected faces of a BMesh as lists of vertices by number; None: all."""
+    faces = [[v.index for v in f.verts] for f in bm.faces if f.select]
+    return None if len(faces) == len(bm.faces) else faces
+
+
+def smooth_copy(ob, bm, faces, resolution, curve):
+    """Smooths faces of a copy of the mesh of an object. faces: as of `chosen`. Returns the new faces; UnusableError."""
+    found = list(bm.faces)
+    if faces is not None:
+        count = len(bm.verts)
+        found = [bm.faces.get([bm.verts[v] for v in face]) if max(face) < count else None for face in faces]
+    if not found or None in found:
+        raise UnusableError("Faces that it smooths are gone; apply it, or delete it")
+    for face in bm.faces:
+        face.hide = face.select = False
+    for face in found:
+        face.select = True
+    return write(plan(ob, bm, resolution, curve))
+
+
 class MESH_OT_smooth_triangles(bpy.types.Operator):
     """Turn the selected faces into a smooth surface through their vertices, with the mesh's normals there"""
 
@@ -250,6 +271,11 @@ class MESH_OT_smooth_triangles(bpy.types.Operator):
         ],
         default="hermite",
     )
+    keep_live: BoolProperty(
+        name="Keep Live",
+        description="The smooth surface is an object of its own that follows when the mesh changes, until it is applied",
+        default=False,
+    )
 
     @classmethod
     def poll(cls, context):
@@ -261,10 +287,44 @@ class MESH_OT_smooth_triangles(bpy.types.Operator):
         layout.use_property_decorate = False
         layout.prop(self, "resolution")
         layout.prop(self, "curve")
+        layout.prop(self, "keep_live")
 
     def execute(self, context):
+        if self.keep_live:
+            return self._keep_live(context)
         with layers.standing_aside(context, context.objects_in_mode_unique_data):
             return self._execute(context)
+
+    def _refuse(self, ob, objects, reason):
+        self.report({"ERROR"}, f"{ob.name}: {reason}" if len(objects) > 1 else str(reason))
+        return {"CANCELLED"}
+
+    def _keep_live(self, context):
+        from . import following, live  # they use what is above
+
+        objects, made = context.objects_in_mode_unique_data, []
+        for ob in objects:
+            bm = bmesh.from_edit_mesh(ob.data)
+            bm.verts.index_update()
+            faces = chosen(bm)
+            if faces == []:
+                continue
+            try:
+                made.append(live.keep_smooth(ob, faces, self.resolution, self.curve))
+            except (UnusableError, tripatch.Refusal) as reason:
+                for other in made:
+                    bpy.data.meshes.remove(other.data)  # and the object with it
+                return self._refuse(ob, objects, reason)
+        if not made:
+            return self._refuse_nothing()
+        for each in made:
+            following.begin(each)
+        self.report({"INFO"}, f"Smoothed into {', '.join(each.name for each in made)}")
+        return {"FINISHED"}
+
+    def _refuse_nothing(self):
+        self.report({"ERROR"}, "No face is selected; select the faces to be smoothed")
+        return {"CANCELLED"}
 
     def _execute(self, context):
         objects = context.objects_in_mode_unique_data
@@ -273,13 +333,11 @@ class MESH_OT_smooth_triangles(bpy.types.Operator):
             try:
                 planned = plan(ob, bmesh.from_edit_mesh(ob.data), self.resolution, self.curve)
             except UnusableError as reason:
-                self.report({"ERROR"}, f"{ob.name}: {reason}" if len(objects) > 1 else str(reason))
-                return {"CANCELLED"}
+                return self._refuse(ob, objects, reason)
             if planned:
                 plans[ob] = planned
         if not plans:
-            self.report({"ERROR"}, "No face is selected; select the faces to be smoothed")
-            return {"CANCELLED"}
+            return self._refuse_nothing()
         before = after = 0
         for ob, planned in plans.items():
             selected = selection.Selected(planned.bm)

@@ -67,3 +67,18 @@ def empty_scene(addon):
     for data in (bpy.data.objects, bpy.data.meshes, bpy.data.materials, bpy.data.node_groups, bpy.data.libraries):
         for block in list(data):
             data.remove(block)
+
+
+@pytest.fixture
+def live(addon):
+    """Its module of live fills."""
+    return sys.modules[addon.__name__ + ".live"]
+
+
+@pytest.fixture
+def following(addon):
+    """Its module that fills them anew, which follows nothing before and after."""
+    module = sys.modules[addon.__name__ + ".following"]
+    module._on_load()
+    yield module
+    module._on_load()

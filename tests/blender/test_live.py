@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import sys
 
 import bmesh
 import bpy
@@ -10,19 +9,6 @@ import numpy as np
 import pytest
 import scenes
 import tasks
-
-
-@pytest.fixture
-def live(addon):
-    return sys.modules[addon.__name__ + ".live"]
-
-
-@pytest.fixture
-def following(addon):
-    module = sys.modules[addon.__name__ + ".following"]
-    module._on_load()
-    yield module
-    module._on_load()
 
 
 def kept(shape=scenes.bowl, size=12, **options):
