@@ -329,7 +329,7 @@ def test_deviation_is_red_where_it_is_large_and_grey_where_nobody_knows(tmp_path
     assert "red from 100" in capsys.readouterr().out
     other = write(tmp_path / "in.obj", *flat)
     assert cli.main(["view", str(other), "--deviation", str(out)]) == 2
-    assert "does not say how well its vertices are known" in capsys.readouterr().err
+    assert "has no error estimates" in capsys.readouterr().err
     with pytest.raises(ValueError, match="one for each vertex"):
         view.picture(*flat, kind="deviation", deviation=[1, 2])
 

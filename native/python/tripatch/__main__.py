@@ -68,7 +68,7 @@ def parser() -> argparse.ArgumentParser:
     fill.add_argument("--report", type=Path, metavar="FILE.json", help="write a JSON report to FILE.json")
     fill.add_argument("--deviation", action="store_true", help="write the error estimate of new vertices into OUT.ply")
     fill.add_argument(
-        "--join", type=float, metavar="DISTANCE", help="join borders that lie so near each other (default: size / 1e6)"
+        "--join", type=float, metavar="DISTANCE", help="join borders that are at most so far apart (default: size / 1e6)"
     )
     arguments.add_groups(fill, OPTIONS.values())
     arguments.add_talk(fill, json=True)
@@ -83,7 +83,9 @@ def parser() -> argparse.ArgumentParser:
     )
     smooth.add_argument("input", metavar="IN", type=Path, help="mesh file")
     arguments.add_out(smooth, "OUT", "mesh file to write; may be IN")
-    smooth.add_argument("--resolution", type=int, metavar="N", default=8, help="edges that each edge is cut into (default: 8)")
+    smooth.add_argument(
+        "--resolution", type=int, metavar="N", default=8, help="number of edges that each edge is divided into (default: 8)"
+    )
     smooth.add_argument(
         "--curve", choices=("hermite", "smits"), default="hermite", help="curve over each edge (default: hermite)"
     )

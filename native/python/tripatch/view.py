@@ -20,12 +20,12 @@ _FINER = 2  # pixels a side that are averaged into one
 SIZE, EYE, LINES = (960, 720), (1, -1.4, 0.9), 12
 #: What the picture shows, in the order in which the help says it.
 KINDS = {
-    "zebra": "stripes of a room that the surface mirrors",
+    "zebra": "reflected zebra stripes",
     "highlight": "lines of equal slope against a direction",
-    "curvature": "mean curvature: blue hollow, red bulging",
-    "seam": "along a rim (--rim) how far the surfaces beside it are from tangent; without one the angle at every edge",
-    "deviation": "how well it is known, as a PLY file says it (fill --deviation): from blue, 0, to red; grey: unknown",
-    "folds": "what is folded in red",
+    "curvature": "mean curvature: blue is hollow, red is bulging",
+    "seam": "angle at the seam along --rim, or at every edge",
+    "deviation": "error estimate in a PLY file (fill --deviation): blue is 0, gray is unknown",
+    "folds": "folds in red",
 }
 
 
@@ -220,7 +220,7 @@ def add(commands: Any) -> None:
     view = commands.add_parser(
         "view",
         usage="tripatch view FILE [-o] OUT.png [options]",
-        help="a picture of a mesh file that shows its quality",
+        help="draw a picture that shows the quality of a mesh",
         description="Draws the mesh in FILE to a PNG picture.\n\nexamples:\n"
         "  tripatch view filled.ply zebra.png\n"
         "  tripatch view filled.obj -o seam.png --seam --rim 12,13,14,57,56,31",
@@ -231,14 +231,18 @@ def add(commands: Any) -> None:
     for kind, words in KINDS.items():
         kinds.add_argument(f"--{kind}", dest="kind", action="store_const", const=kind, help=words)
     rim = {"type": _numbers(kind=int), "action": "append", "default": []}
-    view.add_argument("--rim", metavar="V,V,...", help="of a fill; may be given several times", **rim)
+    view.add_argument("--rim", metavar="V,V,...", help="boundary of a fill; may be given several times", **rim)
     view.add_argument(
-        "--from", dest="toward", type=_numbers(3), default=EYE, metavar="X,Y,Z", help="the eye (default: 1,-1.4,0.9)"
+        "--from", dest="toward", type=_numbers(3), default=EYE, metavar="X,Y,Z", help="position of the eye (default: 1,-1.4,0.9)"
     )
-    view.add_argument("--direction", type=_numbers(3), default=[0, 0, 1], metavar="X,Y,Z", help="of the stripes (default: 0,0,1)")
+    view.add_argument(
+        "--direction", type=_numbers(3), default=[0, 0, 1], metavar="X,Y,Z", help="direction of the stripes (default: 0,0,1)"
+    )
     view.add_argument("--lines", type=float, default=LINES, metavar="N", help="pairs of stripes over half a turn (default: 12)")
-    view.add_argument("--most", type=float, metavar="X", help="where the scale of colors ends")
-    view.add_argument("--size", type=_numbers(2, int), default=SIZE, metavar="W,H", help="pixels (default: 960,720)")
+    view.add_argument("--most", type=float, metavar="X", help="value at which the colors end")
+    view.add_argument(
+        "--size", type=_numbers(2, int), default=SIZE, metavar="W,H", help="width and height in pixels (default: 960,720)"
+    )
     arguments.add_talk(view)
     view.set_defaults(kind="zebra")
 
@@ -255,7 +259,7 @@ def run(args: argparse.Namespace) -> int:
         raise ValueError(f"--most must be greater than 0 and finite, not {args.most:g}")
     deviation = mesh.deviation if args.kind == "deviation" else None
     if args.kind == "deviation" and deviation is None:
-        said = "does not say how well its vertices are known; tripatch fill IN OUT.ply --deviation writes it"
+        said = "has no error estimates; tripatch fill IN OUT.ply --deviation writes them"
         raise ValueError(f"{args.input} {said}")
     image, told = picture(
         mesh.vertices,

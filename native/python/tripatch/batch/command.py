@@ -87,31 +87,35 @@ def add(commands: Any) -> None:
         epilog=_EPILOG,
     )
     batch.add_argument("inputs", metavar="INPUT", nargs="*", help="mesh files and folders of them")
-    batch.add_argument("--files", type=Path, metavar="LIST", help="a text file that names the inputs instead, one a line")
-    batch.add_argument("-o", "--out", type=Path, required=True, metavar="FOLDER", help="for the results; made if it is not there")
-    batch.add_argument("--root", metavar="FOLDER", help="folder that the places of results are counted from")
-    batch.add_argument("--dry-run", action="store_true", help="list the holes, and why some are left; nothing is written")
-    where = batch.add_argument_group("where the work is done")
-    where.add_argument("--workers", type=_whole(0), metavar="N", help="processes (default: as many as cores)")
-    where.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler, whose workers see the same folders")
-    where.add_argument("--range", type=_range, metavar="A-B", help="only these files of the list, counted from 1")
+    batch.add_argument("--files", type=Path, metavar="LIST", help="text file that lists the inputs, one a line")
+    batch.add_argument(
+        "-o", "--out", type=Path, required=True, metavar="FOLDER", help="folder for the results; created if missing"
+    )
+    batch.add_argument(
+        "--root", metavar="FOLDER", help="folder that result paths are relative to (default: deepest common folder)"
+    )
+    batch.add_argument("--dry-run", action="store_true", help="list the holes and why some are skipped; write nothing")
+    where = batch.add_argument_group("Where the work is done")
+    where.add_argument("--workers", type=_whole(0), metavar="N", help="number of processes (default: as many as cores)")
+    where.add_argument("--scheduler", metavar="ADDRESS", help="address of a Dask scheduler whose workers see the same folders")
+    where.add_argument("--range", type=_range, metavar="A-B", help="fill only these files of the list, counted from 1")
     where.add_argument(
         "--emit",
         choices=emit.KINDS,
-        help="print commands or a job for a render farm instead; none of them has run under a manager yet",
+        help="print commands or a job for a render farm; none has run under a real manager yet",
     )
-    where.add_argument("--chunk", type=_whole(1), default=50, metavar="N", help="files in each of these commands (default: 50)")
-    limits = batch.add_argument_group("limits")
-    limits.add_argument("--time-limit", type=_seconds, metavar="SECONDS", help="for each file")
+    where.add_argument("--chunk", type=_whole(1), default=50, metavar="N", help="number of files in each command (default: 50)")
+    limits = batch.add_argument_group("Limits")
+    limits.add_argument("--time-limit", type=_seconds, metavar="SECONDS", help="largest time of a file")
     limits.add_argument(
-        "--memory-limit", type=_whole(200, sys.maxsize >> 20), metavar="MB", help="for the process of a file (Linux)"
+        "--memory-limit", type=_whole(200, sys.maxsize >> 20), metavar="MB", help="largest memory of a process (Linux only)"
     )
     limits.add_argument(
-        "--retries", type=_whole(0), default=1, metavar="N", help="try a file again whose process crashed (default: 1)"
+        "--retries", type=_whole(0), default=1, metavar="N", help="how often to try a file again after a crash (default: 1)"
     )
-    batch.add_argument("--worst", type=_whole(0), default=12, metavar="N", help="seams on the picture (default: 12)")
-    batch.add_argument("--blender", default="blender", metavar="PROGRAM", help="for .blend files (default: blender)")
-    batch.add_argument("--addon", metavar="FOLDER", help="that holds tripatch_blender, if that Blender has it not installed")
+    batch.add_argument("--worst", type=_whole(0), default=12, metavar="N", help="number of seams in the picture (default: 12)")
+    batch.add_argument("--blender", default="blender", metavar="PROGRAM", help="Blender for .blend files (default: blender)")
+    batch.add_argument("--addon", metavar="FOLDER", help="folder that contains tripatch_blender, if it is not installed")
     arguments.add_groups(batch, BATCH_OPTIONS.values())
     arguments.add_talk(batch)
 
