@@ -10,8 +10,8 @@ from .properties import OPTIONS
 
 #: Options that may be absent and whose numbers leave no room to say so: the property that says it, and what it says.
 _SWITCHES = {
-    "shape": ("optimal_shape", False, "Optimal Shape", "The weights of the surfaces with which the fill bends least"),
-    "alpha": ("permanence", True, "Permanence Patch", "A net that keeps a mask instead of a Coons patch"),
+    "shape": ("optimal_shape", False, "Optimal Shape", "Use the weights with which the fill bends least"),
+    "alpha": ("permanence", True, "Permanence Patch", "Use the permanence patch instead of the Coons patch"),
 }
 _EXACT = "side_vertex"  # what auto takes between three smooth sides
 _ALPHA = -2 / 3  # in degree 3 the Coons patch

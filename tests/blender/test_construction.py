@@ -191,7 +191,7 @@ def test_properties_follow_the_table():
     properties = bpy.ops.mesh.fill_three_sided.get_rna_type().properties
     for name in ("bulge", "tension", "center_offset", "tolerance", "symmetric", "output", "odd", "cage_rim"):
         option = tripatch.OPTIONS[name]
-        assert properties[name].description == option.seen
+        assert properties[name].description == (option.seen or option.description)
         assert properties[name].default == ("auto" if name == "output" else 0 if option.default is None else option.default)
     assert [item.identifier for item in properties["fairing"].enum_items] == [
         *(each.name for each in tripatch.OPTIONS["fairing"].choices),

@@ -224,7 +224,7 @@ def test_a_cage_without_corners_is_not_shaped(addon, name, value):
     assert active[name] is False and "only between smooth sides" in said
     after, (points, other) = filled(addon, ear, **{name: value})
     assert faces == other and np.abs(plain - points).max() < 1e-12
-    assert "bulge, tension and center have no effect" in after.said[-1][1]
+    assert "Bulge, tension and center have no effect" in after.said[-1][1]
 
 
 def test_a_cage_between_corners_that_would_fold_if_pulled_at_stays_a_cage(addon):

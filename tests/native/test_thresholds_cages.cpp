@@ -72,7 +72,7 @@ bool is_placed(const Mesh& mesh, const std::vector<Index>& rim, const std::optio
   options.rim = rim;
   options.corners = corners;
   options.output = Output::cage;
-  return fill(mesh, options).report.method_reason.find("would run off") != std::string::npos;
+  return fill(mesh, options).report.method_reason.find("would leave the surrounding surface") != std::string::npos;
 }
 
 /// Whether the cage of 4 x 4 quads that are missing in a grid is placed where the mesh goes on. The grid has waves along both of its

@@ -208,7 +208,7 @@ def test_where_points_inside_are_met_over_a_polygon_the_report_says_why():
     vertices, faces, corners = around(3)
     inner = vertices[:24].mean(axis=0) + (0, 0, 0.05)
     fill = tripatch.fill(vertices, faces, rim=np.arange(24), corners=corners, method="side_vertex", through=[inner])
-    assert (fill.report.method, fill.report.method_reason) == ("multi_sided", "points inside are met over a polygon")
+    assert (fill.report.method, fill.report.method_reason) == ("multi_sided", "a patch over a polygon meets the points inside")
 
 
 def flat_sides(corners):
