@@ -119,6 +119,14 @@ def test_auto_takes_the_exact_patch_between_smooth_sides_and_says_why():
     assert plain.report.method_reason == "it was requested"
 
 
+def test_the_reason_of_auto_does_not_advise_to_use_auto():
+    vertices, faces = irregular(hill)
+    fill = tripatch.fill(vertices, faces, rim=inner_rim(faces))
+    said = [fill.report.method_reason, *(each.why for each in fill.report.candidates)]
+    assert "no smooth sides were found" in " ".join(said)
+    assert not any("use method" in each for each in said)
+
+
 def test_either_method_can_be_insisted_on():
     vertices, faces, rim = octant(12)
     fill = tripatch.fill(vertices, faces, rim=rim, method="polyharmonic_spline")

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <memory>
 #include <string>
 #include <utility>
@@ -31,13 +30,6 @@ namespace tripatch {
 namespace {
 
 const std::string round_of_revolution = "the hole is round, and its surroundings are of revolution";
-
-/// What a refusal says, as part of a sentence, without what to do about it, which a fill that was made does not ask for.
-std::string without_advice(std::string said) {
-  said = said.substr(0, said.find("; "));
-  said[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(said[0])));
-  return said;
-}
 
 /// Whether the hole has lost a flat wall, and no sides are found which by themselves continue none of those that are left.
 bool lost_a_wall(const Ground& ground, const std::vector<Index>& rim, std::vector<Index> corners, const FillOptions& options) {
@@ -114,8 +106,8 @@ private:
     if (makes_polygon(corners) || (corners.size() == 3 && !out_.options.through.empty())) return polygon(corners);
     try {
       return triangle(make_hole(ground_.mesh, ground_.left, loop_, std::nullopt));
-    } catch (const CodedRefusal& refusal) {
-      return between_sharp("no smooth sides were found: " + without_advice(refusal.what()));
+    } catch (const CodedRefusal&) {
+      return between_sharp("no smooth sides were found");
     }
   }
 
