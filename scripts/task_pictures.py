@@ -20,10 +20,10 @@ import bmesh  # noqa: E402
 import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 import tasks  # noqa: E402
-from tripatch.view import Canvas, picture, png  # noqa: E402
+from tripatch.canvas import Canvas, png  # noqa: E402
+from tripatch.view import picture  # noqa: E402
 
 SIZE = (420, 420)
-_FILL = 0.92  # of the picture, as in tripatch.view
 
 
 def arrays(bm):
@@ -44,19 +44,8 @@ def with_edges(image, vertices, faces, toward, lines):
     """Draws line segments where nothing is before them."""
     canvas = Canvas(vertices, toward, *SIZE)
     canvas.draw(np.array([[f[0], f[i], f[i + 1]] for f in faces for i in range(1, len(f) - 1)]))
-    depth = np.ptp(canvas.points[:, 2])
-    low, high = (vertices @ canvas.axes.T).min(axis=0), (vertices @ canvas.axes.T).max(axis=0)
-    factor = _FILL * min(SIZE[0] / (high - low)[0], SIZE[1] / (high - low)[1])
-    steps = np.linspace(0, 1, 80)[:, None]
-    for a, b in lines:
-        p, q = ((np.array(end) @ canvas.axes.T) for end in (a, b))
-        run = p + steps * (q - p)
-        x = ((run[:, 0] - (low + high)[0] / 2) * factor + SIZE[0] / 2).astype(int)
-        y = (SIZE[1] / 2 - (run[:, 1] - (low + high)[1] / 2) * factor).astype(int)
-        inside = (x >= 0) & (x < SIZE[0]) & (y >= 0) & (y < SIZE[1])
-        x, y, z = x[inside], y[inside], run[inside, 2]
-        seen = z > canvas.nearness.reshape(SIZE[1], SIZE[0])[y, x] - 0.03 * depth
-        image[y[seen], x[seen]] = (20, 60, 160)
+    for ends in lines:
+        canvas.line(image.reshape(-1, 3), ends, (20, 60, 160), lift=0.03 * np.ptp(canvas.points[:, 2]))
     return image
 
 

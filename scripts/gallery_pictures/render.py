@@ -1,4 +1,4 @@
-"""Pictures of smooth surfaces: dense points with exact normals, the nearest to the eye wins a pixel. Orthographic."""
+"""Pictures of smooth surfaces with exact normals, drawn by `tripatch.canvas`. Orthographic."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from PIL import Image
+from tripatch.canvas import Canvas
 
 CLAY, BLUE, GREEN, RED, GREY = (0.90, 0.72, 0.48), (0.55, 0.70, 0.90), (0.60, 0.82, 0.60), (0.90, 0.58, 0.55), (0.80, 0.80, 0.82)
 INK = (0.12, 0.12, 0.16)
@@ -20,16 +21,6 @@ SUPERSAMPLING = 2
 def unit(v):
     v = np.asarray(v, float)
     return v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-300)
-
-
-def between(grid, count):
-    """The grid (m, n, d) read linearly at count[0] x count[1] places."""
-    for axis, k in enumerate(count):
-        at = np.linspace(0, grid.shape[axis] - 1, k)
-        low = np.minimum(at.astype(int), grid.shape[axis] - 2)
-        f = (at - low).reshape([-1, 1, 1] if axis == 0 else [1, -1, 1])
-        grid = np.take(grid, low, axis) * (1 - f) + np.take(grid, low + 1, axis) * f
-    return grid
 
 
 def triangle_grid(m=48):
@@ -117,69 +108,44 @@ class Scene:
             out = out * (1 - 0.62 * dark[:, None])
         return np.clip(out, 0, 1)
 
-    def _frame(self, w, h, center=None, span=None, margin=0.04):
-        """Points to (x, y, depth) on w x h pixels, pixels a scene unit, and the size of all that there is."""
-        every = (
-            [g[0].reshape(-1, 3) for g in self.grids] + [m[0].reshape(-1, 3) for m in self.meshes] + [c[0] for c in self.curves]
-        )
-        flat = np.concatenate(every) @ np.stack([self.right, self.up, self.eye]).T
-        low, high = flat.min(0), flat.max(0)
-        middle = (low + high)[:2] / 2 if center is None else np.array([center @ self.right, center @ self.up])
-        size = high - low
-        scale = (1 - 2 * margin) * min(w / size[0], h / size[1]) if span is None else h / span
+    def _triangles(self):
+        """Corners, normals and colors (t, 3, 3) of all triangles, and which have stripes."""
+        found = []
+        for points, normals, color, zebra in self.grids:
+            number = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
+            a, b, c, d = (each.ravel() for each in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
+            faces = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)])
+            colors = np.broadcast_to(color, points.shape)
+            found.append((*(each.reshape(-1, 3)[faces] for each in (points, normals, colors)), np.full(len(faces), zebra)))
+        found += [(*each, np.full(len(each[0]), zebra)) for *each, zebra in self.meshes]
+        empty = (np.zeros((0, 3, 3)),) * 3, np.zeros(0, bool)
+        return [np.concatenate(each) for each in zip(*found)] if found else [*empty[0], empty[1]]
 
-        def to_pixels(p):
-            return (p @ self.right - middle[0]) * scale + w / 2, h / 2 - (p @ self.up - middle[1]) * scale, p @ self.eye
-
-        return to_pixels, scale, np.linalg.norm(size)
+    def _canvas(self, width, height, **shown):
+        corners = self._triangles()[0].reshape(-1, 3)
+        every = np.concatenate([corners, *(np.atleast_2d(points) for points, *_ in self.curves)])
+        canvas = Canvas(every, np.stack([self.right, self.up, self.eye]), width, height, **shown)
+        canvas.draw(np.arange(len(corners)).reshape(-1, 3))
+        return canvas, np.linalg.norm(np.ptp(every @ canvas.axes.T, axis=0))
 
     def pixels(self, points, width, height):
         """(k, 2) where points lie in an image of this size."""
-        return np.stack(self._frame(width, height)[0](np.asarray(points, float))[:2], -1)
+        return self._canvas(width, height, share=0.92)[0].placed(points)[:, :2]
 
     def image(self, width=340, height=320, center=None, span=None, margin=0.04):
         """An image (height, width, 3); center and span (of the height) in scene units, by default all that there is."""
         k = SUPERSAMPLING
-        w, h = width * k, height * k
-        to_pixels, scale, depth_unit = self._frame(w, h, center, span, margin)
-        seen = [[], [], [], []]
-
-        def put(x, y, z, colors):
-            x, y = x.astype(int), y.astype(int)
-            inside = (x >= 0) & (x < w) & (y >= 0) & (y < h)
-            for store, values in zip(seen, (x, y, z, colors), strict=True):
-                store.append(values[inside])
-
-        for points, normals, color, zebra in self.grids:
-            steps = [np.linalg.norm(np.diff(points, axis=a), axis=-1).max() * scale * (points.shape[a] - 1) for a in (0, 1)]
-            count = [int(min(max(1.5 * s, points.shape[a]), 1800)) for a, s in enumerate(steps)]
-            p, n = between(points, count).reshape(-1, 3), between(normals, count).reshape(-1, 3)
-            x, y, z = to_pixels(p)
-            put(x, y, z, self._shade(n, between(color, count).reshape(-1, 3) if np.ndim(color) > 1 else color, zebra))
-        for corners, normals, color, zebra in self.meshes:
-            longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).max(1) * scale
-            for part in np.array_split(np.argsort(longest), max(1, len(corners) // 50)):
-                m = int(np.clip(1.5 * longest[part].max(), 2, 900))
-                b = np.array([(i, j, m - i - j) for i in range(m + 1) for j in range(m + 1 - i)]) / m
-                p, n, c = (np.einsum("kc,mcd->mkd", b, v[part]).reshape(-1, 3) for v in (corners, normals, color))
-                x, y, z = to_pixels(p)
-                put(x, y, z, self._shade(n, c, zebra))
+        canvas, size = self._canvas(width * k, height * k, share=1 - 2 * margin, center=center, span=span)
+        _, normals, colors, zebra = self._triangles()
+        out = np.ones((width * k * height * k, 3))
+        for stripes in (False, True):
+            seen = np.flatnonzero(canvas.triangle >= 0)
+            seen = seen[zebra[canvas.triangle[seen]] == stripes]
+            of, weights = canvas.triangle[seen], canvas.weights[seen][:, :, None]
+            normal, color = ((each[of] * weights).sum(axis=1) for each in (normals, colors))
+            out[seen] = self._shade(normal, color, stripes)
         for points, color, thick, lift in self.curves:
-            length = np.linalg.norm(np.diff(points, axis=0), axis=1)
-            along = np.concatenate([[0], np.cumsum(length)])
-            at = np.linspace(0, along[-1], int(along[-1] * scale) + 2)
-            p = np.stack([np.interp(at, along, points[:, d]) for d in range(3)], -1)
-            radius = thick * k / 2
-            reach = np.arange(-int(radius + 1), int(radius + 1) + 1)
-            disc = np.array([(i, j) for i in reach for j in reach if i * i + j * j <= radius**2 + 0.3])
-            x, y, z = to_pixels(p)
-            x, y = (a[:, None] + d for a, d in ((x, disc[:, 0]), (y, disc[:, 1])))
-            z = np.broadcast_to((z + lift * depth_unit)[:, None], x.shape)
-            put(x.ravel(), y.ravel(), z.ravel(), np.broadcast_to(color, (x.size, 3)))
-        x, y, z, colors = (np.concatenate(s) for s in seen)
-        order = np.argsort(z, kind="stable")
-        out = np.ones((h, w, 3))
-        out[y[order], x[order]] = colors[order]  # the last, nearest, stays
+            canvas.line(out, points, color, radius=np.hypot(thick * k / 2, 0.5), lift=lift * size)
         return out.reshape(height, k, width, k, 3).mean((1, 3))
 
 

@@ -104,7 +104,7 @@ def test_each_hole_has_a_place_of_its_own_on_the_sheet(tmp_path, monkeypatch):
     image = pytest.importorskip("PIL.Image")
     colors = [(40 * k + 20, 0, 200 - 30 * k) for k in range(6)]
     monkeypatch.setattr(pictures, "gathered", lambda holes, settings: list(colors))
-    monkeypatch.setattr(pictures, "tile", lambda crop, own, *_: own.paste(crop, (0, 0, *own.size)))
+    monkeypatch.setattr(pictures, "tile", lambda color, size: np.full((size, size, 3), color, np.uint8))
     line = {
         "input": "a.obj",
         "object": "",

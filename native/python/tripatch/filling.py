@@ -126,7 +126,8 @@ class Fill:
     def _repr_png_(self) -> bytes:
         """The picture that a notebook shows: the fill and what is around it, in zebra stripes."""
         from .batch import crops
-        from .view import picture, png
+        from .canvas import png
+        from .view import picture
 
         points, offsets, corners = self._source.in_place()
         crop: Any = crops.of_fill(points, _arrays.rows(offsets, corners), self)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import struct
-import zlib
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,9 +11,9 @@ import numpy as np
 
 from . import arguments, files, quality
 from ._types import Array, ArrayLike
+from .canvas import Canvas, png
 
 _BACKGROUND = (0.22, 0.22, 0.23)
-_AT_ONCE = 300_000  # pairs of a triangle and a pixel that are looked at together: some 50 MB
 _FINER = 2  # pixels a side that are averaged into one
 SIZE, EYE, LINES = (960, 720), (1, -1.4, 0.9), 12
 #: What the picture shows, in the order in which the help says it.
@@ -27,85 +25,6 @@ KINDS = {
     "deviation": "error estimate in a PLY file (fill --deviation): blue is 0, gray is unknown",
     "folds": "folds in red",
 }
-
-
-def png(image: Array) -> bytes:
-    """The PNG file of an image (h, w, 3) of bytes."""
-    height, width, _ = image.shape
-
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    rows = np.concatenate([np.zeros((height, 1), np.uint8), image.reshape(height, -1)], axis=1)
-    head = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows.tobytes(), 6)) + chunk(b"IEND", b"")
-
-
-def axes_of(direction: ArrayLike) -> Array:
-    """Rows to the right, upwards and to the eye for a view from a direction; z is upwards."""
-    toward = np.asarray(direction, float)
-    toward = toward / np.linalg.norm(toward)
-    up = np.array([0.0, 0.0, 1.0]) if abs(toward[2]) < 0.999 else np.array([0.0, 1.0, 0.0])
-    right = np.cross(up, toward)
-    right /= np.linalg.norm(right)
-    return np.array([right, np.cross(toward, right), toward])
-
-
-class Canvas:
-    """A parallel projection onto pixels with depth."""
-
-    def __init__(self, vertices: Array, toward: ArrayLike, width: int, height: int) -> None:
-        self.axes, self._size = axes_of(toward), (height, width)
-        turned = vertices @ self.axes.T
-        low, high = turned.min(axis=0), turned.max(axis=0)
-        extent = np.maximum(high - low, 1e-30)
-        scale = 0.92 * min(width / extent[0], height / extent[1])
-        middle = (low + high) / 2
-        self.points = np.column_stack(
-            [(turned[:, 0] - middle[0]) * scale + width / 2, height / 2 - (turned[:, 1] - middle[1]) * scale, turned[:, 2]]
-        )
-        self.nearness = np.full(height * width, -np.inf)
-        self.triangle = np.full(height * width, -1)
-        self.weights = np.zeros((height * width, 3))
-
-    def _candidates(self, corners: Array) -> Any:
-        """For some triangles, every pixel of their bounding rectangles: numbers of triangle, x, y."""
-        height, width = self._size
-        low = np.maximum(np.floor(corners[:, :, :2].min(axis=1)).astype(np.int64), 0)
-        high = np.minimum(np.ceil(corners[:, :, :2].max(axis=1)).astype(np.int64), [width - 1, height - 1])
-        wide = np.maximum(high - low + 1, 0)
-        count = wide.prod(axis=1)
-        which = np.repeat(np.arange(len(corners)), count)
-        step = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
-        return which, low[which, 0] + step % wide[which, 0], low[which, 1] + step // wide[which, 0]
-
-    def draw(self, triangles: Array) -> None:
-        """Finds for every pixel the foremost triangle and the weights of its corners there."""
-        corners = self.points[triangles]
-        span = np.maximum(np.ceil(np.ptp(corners[:, :, :2], axis=1)) + 2, 1).prod(axis=1)
-        part = (np.cumsum(span) // _AT_ONCE).astype(np.int64)
-        for k in np.unique(part):
-            chosen = np.flatnonzero(part == k)
-            self._draw(corners[chosen], chosen)
-
-    def _draw(self, corners: Array, numbers: Array) -> None:
-        which, x, y = self._candidates(corners)
-        p = corners[which]
-        ab, ac = p[:, 1, :2] - p[:, 0, :2], p[:, 2, :2] - p[:, 0, :2]
-        to = np.column_stack([x + 0.5, y + 0.5]) - p[:, 0, :2]
-        area = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]
-        area = np.where(np.abs(area) > 1e-12, area, np.inf)  # seen from the edge
-        b = (to[:, 0] * ac[:, 1] - to[:, 1] * ac[:, 0]) / area
-        c = (ab[:, 0] * to[:, 1] - ab[:, 1] * to[:, 0]) / area
-        weights = np.column_stack([1 - b - c, b, c])
-        inside = (weights > -1e-9).all(axis=1) & np.isfinite(area)
-        which, weights, pixel = which[inside], weights[inside], (y * self._size[1] + x)[inside]
-        near = (weights * p[inside][:, :, 2]).sum(axis=1)
-        order = np.argsort(near, kind="stable")  # of those assigned to one pixel the last counts
-        order = order[near[order] > self.nearness[pixel[order]]]
-        pixel = pixel[order]
-        self.nearness[pixel] = near[order]
-        self.triangle[pixel], self.weights[pixel] = numbers[which[order]], weights[order]
 
 
 def _lit(normals: Array, axes: Array) -> Array:

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from .. import words
+from .. import quality, words
 from .._types import Array
+from ..canvas import Canvas
 from . import record
 from .keeper import Keeper
 from .settings import CROP, Settings
@@ -22,6 +23,7 @@ _AROUND, _FILL, _BEHIND, _INK = (200, 200, 204), (120, 168, 224), (250, 250, 250
 #: Degrees between the faces on both sides of an edge of the seam: from green, which nobody sees, to red.
 _SEEN = 30.0
 _TILT = np.radians(20.0)
+_LIFT = 0.003  # of the size: edges of faces are drawn over the faces
 
 
 def worst(entries: Sequence[dict[str, Any]], count: int) -> list[tuple[dict[str, Any], int]]:
@@ -59,11 +61,9 @@ def gathered(holes: list[tuple[dict[str, Any], int]], settings: Settings) -> lis
     return made
 
 
-def _seen(crop: dict[str, Any]) -> tuple[Array, Array]:
-    """Vertices as the eye has them (x right, y up, z towards it), in a box of size one; normals of the faces likewise."""
+def _seen_from(crop: dict[str, Any], normals: Array) -> Array:
+    """Rows to the right, upwards and to the eye: a little askew above the fill, whose longer way goes to the right."""
     points = np.asarray(crop["vertices"], float)
-    faces = [*crop["around"], *crop["fill"]]
-    normals = np.array([_normal(points[face]) for face in faces])
     toward = normals[len(crop["around"]) :].sum(axis=0)
     toward = toward / max(np.linalg.norm(toward), 1e-300) if np.linalg.norm(toward) > 0 else np.array([0.0, 0, 1])
     rim = points[sorted({v for face in crop["fill"] for v in face})]
@@ -71,14 +71,9 @@ def _seen(crop: dict[str, Any]) -> tuple[Array, Array]:
     right = axes[:, 2] - (axes[:, 2] @ toward) * toward
     right /= max(np.linalg.norm(right), 1e-300)
     right *= np.sign(right[np.argmax(np.abs(right))]) or 1.0  # an axis has no direction of its own
-    turned = np.stack([right, np.cross(toward, right), toward])
     tilt = np.array([[1, 0, 0], [0, np.cos(_TILT), np.sin(_TILT)], [0, -np.sin(_TILT), np.cos(_TILT)]])
-    turned = tilt @ turned
-    normals = normals @ turned.T
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    points = points @ turned.T
-    low, high = points.min(axis=0), points.max(axis=0)
-    return (points - (low + high) / 2) / max((high - low)[:2].max(), 1e-300), normals
+    turned: Array = tilt @ np.stack([right, np.cross(toward, right), toward])
+    return turned
 
 
 def _normal(corners: Array) -> Array:
@@ -101,25 +96,30 @@ def _seam(crop: dict[str, Any], normals: Array) -> list[tuple[int, int, float]]:
     return edges
 
 
-def tile(crop: dict[str, Any] | None, image: Any, draw: Any, x: int, y: int, size: int) -> None:
-    """Draws a hole: what is nearer to the eye over what is behind, the seam over all."""
-    if crop is None:
-        draw.text((x + size / 2, y + size / 2), "(changed since)", fill=_INK, anchor="mm")
-        return
-    points, normals = _seen(crop)
-    scale = 0.92 * size
-    at = np.column_stack([x + size / 2 + scale * points[:, 0], y + size / 2 - scale * points[:, 1]])
-    faces = [*crop["around"], *crop["fill"]]
-    light = np.array([-0.35, 0.45, 0.82]) / np.linalg.norm([-0.35, 0.45, 0.82])
-    for f in np.argsort([points[face, 2].mean() for face in faces], kind="stable"):
-        shade = 0.35 + 0.65 * abs(normals[f] @ light)
-        color = _FILL if f >= len(crop["around"]) else _AROUND
-        line = tuple(int(0.82 * shade * c) for c in color)
-        draw.polygon([tuple(at[v]) for v in faces[f]], fill=tuple(int(shade * c) for c in color), outline=line)
+def tile(crop: dict[str, Any], size: int) -> Array:
+    """A picture (size, size, 3) of a hole: what is nearer to the eye over what is behind, the seam over all."""
+    points, faces = np.asarray(crop["vertices"], float), [*crop["around"], *crop["fill"]]
+    normals = np.array([_normal(points[face]) for face in faces])
+    axes = _seen_from(crop, normals)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    canvas = Canvas(points, axes, size, size)
+    triangles, of_face = quality.triangulated(faces, points)
+    canvas.draw(triangles)
+    light = np.array([-0.35, 0.45, 0.82]) / np.linalg.norm([-0.35, 0.45, 0.82]) @ axes
+    shade = 0.35 + 0.65 * np.abs(normals @ light)
+    colors = np.where((np.arange(len(faces)) >= len(crop["around"]))[:, None], _FILL, _AROUND) * shade[:, None]
+    image = np.empty((size * size, 3))
+    image[:] = _BEHIND
+    seen = canvas.triangle >= 0
+    image[seen] = colors[of_face[canvas.triangle[seen]]]
+    lift = _LIFT * float(np.ptp(points, axis=0).max(initial=0))
+    for face, color in zip(faces, colors, strict=True):
+        canvas.line(image, points[[*face, face[0]]], 0.82 * color, lift=lift)
     for a, b, degrees in _seam(crop, normals):
         bad = min(degrees / _SEEN, 1.0)
-        color = (int(40 + 190 * bad), int(150 - 110 * bad), 60 - int(20 * bad))
-        draw.line([tuple(at[a]), tuple(at[b])], fill=color, width=2 * _FINER)
+        color = np.array([40 + 190 * bad, 150 - 110 * bad, 60 - 20 * bad])
+        canvas.line(image, points[[a, b]], color, radius=_FINER, lift=np.inf)
+    return image.reshape(size, size, 3).astype(np.uint8)
 
 
 def _caption(place: int, line: dict[str, Any]) -> list[str]:
@@ -141,16 +141,18 @@ def sheet(path: Path, holes: list[tuple[dict[str, Any], int]], settings: Setting
     rows = -(-len(holes) // columns)
     head, size = 34, (columns * _TILE, 34 + rows * (_TILE + _TEXT))
     big = Image.new("RGB", (size[0] * _FINER, size[1] * _FINER), _BEHIND)
-    for k, crop in enumerate(gathered(holes, settings)):
-        # in an image of its own: what is drawn beyond a tile stays out of the next
-        own = Image.new("RGB", (_TILE * _FINER, _TILE * _FINER), _BEHIND)
-        tile(crop, own, ImageDraw.Draw(own), 0, 0, _TILE * _FINER)
-        big.paste(own, (k % columns * _TILE * _FINER, (head + k // columns * (_TILE + _TEXT)) * _FINER))
+    crops = gathered(holes, settings)
+    for k, crop in enumerate(crops):
+        left, top = k % columns * _TILE * _FINER, (head + k // columns * (_TILE + _TEXT)) * _FINER
+        if crop:
+            big.paste(Image.fromarray(tile(crop, _TILE * _FINER)), (left, top))
     image = big.resize(size, Image.Resampling.LANCZOS)
     draw, font = ImageDraw.Draw(image), ImageFont.load_default(12)
     draw.text((8, 8), f"The worst {len(holes)} of {total} seams", fill=_INK, font=ImageFont.load_default(15))
     for k, (line, _) in enumerate(holes):
         left, top = k % columns * _TILE + 8, head + k // columns * (_TILE + _TEXT) + _TILE + 1
+        if not crops[k]:
+            draw.text((left + _TILE / 2 - 8, top - _TILE / 2), "(changed since)", fill=_INK, font=font, anchor="mm")
         for row, text in enumerate(_caption(k + 1, line)):
             draw.text((left, top + 14 * row), text, fill=_INK, font=font)
     data = io.BytesIO()
