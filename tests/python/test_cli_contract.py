@@ -37,7 +37,7 @@ def test_a_bare_command_shows_its_help_with_examples_before_the_options(command,
     code, out, err = run(capsys, *command)
     assert (code, err) == (2, "")
     assert out.startswith("usage: tripatch")
-    assert out.index("  tripatch ") < re.search(r"^(General|Commands|positional arguments|options):", out, re.M).start()
+    assert out.index("  tripatch ") < re.search(r"^(Arguments|General|Commands):", out, re.M).start()
     assert run(capsys, *command, "--help") == (0, out, "")
 
 

@@ -221,6 +221,7 @@ class Parser(argparse.ArgumentParser):
     def __init__(self, *args: Any, **settings: Any) -> None:
         super().__init__(*args, **{"formatter_class": argparse.RawDescriptionHelpFormatter, **settings, "allow_abbrev": False})
         self._optionals.title = "General"
+        self._positionals.title = "Arguments"
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """As of argparse, but what is not known is an error here, where it can be said what may have been meant."""

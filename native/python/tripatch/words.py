@@ -123,7 +123,10 @@ def left_open(edges: Sequence[int], advice: str = "") -> str:
     sizes = f"{', '.join(others)} and {last}" if others else last
     if len(edges) > 4:
         sizes = f"{min(edges)} to {max(edges)}"
-    said = f"{counted(len(edges), 'outer border')} left open ({sizes} edges)"
+    sizes += " edges"
+    if len(edges) > 1 and min(edges) == max(edges):
+        sizes = f"{last} edges each"
+    said = f"{counted(len(edges), 'outer border')} left open ({sizes})"
     return f"{said}; {advice} to fill {'it' if len(edges) == 1 else 'them'}" if advice else said
 
 
