@@ -45,10 +45,13 @@ void bind_borders(py::module_& m) {
           {
             py::gil_scoped_release release;
             const Mesh mesh{points, faces};
-            joined = join_borders(mesh, distance.value_or(same_place * size_of(mesh)));
+            joined = join_borders(mesh, distance.value_or(same_place * size_of(mesh)), distance.has_value());
           }
           if (joined.stands.empty()) return py::none();
-          return py::make_tuple(array_from(joined.faces.corners), array_from(joined.stands));
+          py::list splits;
+          for (const EdgeSplit& each : joined.splits) splits.append(py::make_tuple(each.face, each.corner, each.vertex, each.t));
+          return py::make_tuple(array_from(joined.faces.offsets), array_from(joined.faces.corners), array_from(joined.stands),
+                                splits);
         });
   m.def("_contacts", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                         const std::vector<std::vector<Index>>& loops) {

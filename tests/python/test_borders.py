@@ -99,7 +99,134 @@ def test_a_slit_between_t_junctions_is_refused_and_no_hole():
     left.insert(k + 1, 9)
     fills = tripatch.fill_all(vertices, faces)
     assert len(fills) == 1 and isinstance(fills[0], tripatch.Refusal)
-    assert "T-junctions" in fills[0].reason
+    assert fills[0].code == "slit_without_width" and fills.joined is None
+
+
+def box(noise=0.0):
+    """A cube whose sides have rows of triangles of different sizes, so that their vertices lie within edges of other sides."""
+    rng, points, faces = np.random.default_rng(0), [], []
+    for side, count in enumerate((1, 2, 3, 4, 3, 5)):
+        u, v = np.meshgrid(np.arange(count + 1.0), np.arange(count + 1.0), indexing="ij")
+        flat = np.stack([30 * u / count, 30 * v / count, np.full(u.shape, 30.0 * (side // 3))], axis=-1).reshape(-1, 3)
+        first = sum(map(len, points))
+        points.append(np.roll(flat, side % 3, axis=1) + noise * rng.uniform(-1, 1, flat.shape))
+        for i in range(count):
+            for j in range(count):
+                a = first + i * (count + 1) + j
+                quad = [a, a + count + 1, a + count + 2, a + 1]
+                quad = quad if side // 3 else quad[::-1]
+                faces += [[quad[0], quad[1], quad[2]], [quad[0], quad[2], quad[3]]]
+    return np.concatenate(points), np.array(faces)
+
+
+def least_height(vertices, faces):
+    """Of triangles, the smallest height over the longest edge."""
+    corners = np.asarray(vertices)[np.asarray(faces)]
+    longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    return (area / longest).min()
+
+
+@pytest.mark.parametrize("noise", [0, 2e-5])
+@pytest.mark.parametrize("kind", [np.asarray, np.ndarray.tolist])
+def test_join_puts_vertices_into_the_edges_that_they_lie_on(noise, kind):
+    vertices, faces = box(noise)
+    joined, all_faces = tripatch.fill_holes(vertices, kind(faces), join=1e-3)
+    assert type(all_faces) is type(kind(faces)) and len(joined) == len(vertices)
+    assert open_edges(joined, all_faces, []) == 0 and least_height(joined, all_faces) > 1
+    fills = tripatch.fill_all(vertices, kind(faces), join=1e-3)
+    assert fills == [] and len(fills.joined.splits) > 0
+    assert np.array_equal(tripatch.merge(vertices, kind(faces), fills)[1], all_faces)
+
+
+@pytest.mark.parametrize("distance", [-1.0, np.nan, np.inf])
+def test_join_is_a_distance(distance, tmp_path, capsys):
+    with pytest.raises(ValueError, match="join must be a distance"):
+        tripatch.fill_all(*tube(0, 1), join=distance)
+    path = write_obj(tmp_path / "in.obj", tube(0, 1))
+    code, _, err = run(capsys, "fill", path, tmp_path / "out.obj", "--all", f"--join={distance}")
+    assert code == 2 and "join must be a distance" in err
+
+
+def test_join_moves_no_vertex_that_is_in_place():
+    vertices, faces = in_two_parts(*tube(0, 1), lambda p: p[2] > 0.5)
+    fills = tripatch.fill_all(vertices, faces, join=1e-3)
+    assert len(fills) == 2 and fills.joined is None
+
+
+@pytest.mark.parametrize("noise", [0, 2e-5])
+def test_a_trimesh_is_joined_with_its_colors(noise):
+    trimesh = pytest.importorskip("trimesh")
+    vertices, faces = box(noise)
+    colors = np.random.default_rng(1).integers(0, 255, (len(faces), 4))
+    mesh = trimesh.Trimesh(vertices, faces, process=False, face_colors=colors)
+    joined = tripatch.fill_holes(mesh, join=1e-3)
+    assert open_edges(joined.vertices, joined.faces, []) == 0 and least_height(joined.vertices, joined.faces) > 1
+    middle = joined.triangles_center
+    for k in range(len(joined.faces)):
+        inside = [f for f in range(len(faces)) if np.abs(mesh.face_normals[f] @ (middle[k] - vertices[faces[f][0]])) < 1e-3]
+        weights = [trimesh.triangles.points_to_barycentric(vertices[faces[f]][None], middle[k][None])[0] for f in inside]
+        (old,) = [f for f, w in zip(inside, weights) if w.min() > 0]
+        assert np.array_equal(joined.visual.face_colors[k], colors[old])
+
+
+def test_a_textured_trimesh_is_joined_where_its_texture_goes_on():
+    trimesh = pytest.importorskip("trimesh")
+    vertices, faces = box()
+    uv = vertices @ np.array([[1.0, 0.3], [0.2, 1], [0.5, 0.4]]) / 60
+    mesh = trimesh.Trimesh(vertices, faces, process=False, visual=trimesh.visual.TextureVisuals(uv=uv))
+    joined = tripatch.fill_holes(mesh, join=1e-3)
+    assert open_edges(joined.vertices, joined.faces, []) == 0
+    assert np.abs(joined.visual.uv - joined.vertices @ np.array([[1.0, 0.3], [0.2, 1], [0.5, 0.4]]) / 60).max() < 1e-6
+
+
+def test_a_hole_beside_t_junctions_is_filled_as_one_of_the_joined_mesh():
+    vertices, faces = box()
+    gone = np.flatnonzero((vertices[faces].mean(axis=1) < [20, 20, 1]).all(axis=1) & (vertices[faces][:, :, 2] == 0).all(axis=1))
+    left = np.delete(faces, gone, axis=0)
+    assert len(gone) > 0
+    made, all_faces = tripatch.fill_holes(vertices, left, join=1e-3)
+    assert open_edges(made, all_faces, []) == 0
+
+
+@pytest.mark.parametrize("suffix", [".stl", ".obj"])
+def test_a_fill_in_a_joined_file_leaves_no_gap(suffix, tmp_path, capsys):
+    vertices, faces = box(2e-5)
+    at = vertices[faces].mean(axis=1)
+    left = faces[~((at[:, 2] < 1) & (at[:, 0] < 22) & (at[:, 1] < 22))]
+    assert len(left) < len(faces)
+    tripatch.write(tmp_path / f"in{suffix}", (vertices, left))
+    code, text, _ = run(capsys, "fill", tmp_path / f"in{suffix}", tmp_path / f"out{suffix}", "--all", "--join", 1e-3)
+    mesh = tripatch.read(tmp_path / f"out{suffix}")
+    assert code == 0 and text.startswith("Filled 1 hole") and open_edges(mesh.vertices, mesh.faces, []) == 0
+
+
+@pytest.mark.parametrize("noise", [0, 2e-5])
+@pytest.mark.parametrize("suffix", [".stl", ".obj", ".ply", ".off"])
+def test_joined_files_have_no_slits(noise, suffix, tmp_path, capsys):
+    tripatch.write(tmp_path / f"in{suffix}", box(noise))
+    if suffix == ".stl":  # as text
+        corners = [f"vertex {x!r} {y!r} {z!r}" for x, y, z in box(noise)[0][box(noise)[1]].reshape(-1, 3).tolist()]
+        facets = [
+            "\n".join(["facet normal 0 0 0", "outer loop", *corners[k : k + 3], "endloop", "endfacet"])
+            for k in range(0, len(corners), 3)
+        ]
+        (tmp_path / "text.stl").write_text("solid\n" + "\n".join(facets) + "\nendsolid\n")
+    for path in sorted(tmp_path.glob(f"*{suffix}")):
+        out = tmp_path / f"out{suffix}"
+        code, text, err = run(capsys, "fill", path, out, "--all", "--join", 1e-3)
+        assert (code, text, err) == (0, "Joined borders: the mesh has no border\n", "")
+        mesh = tripatch.read(out)
+        assert open_edges(mesh.vertices, mesh.faces, []) == 0
+        assert suffix != ".stl" or least_height(mesh.vertices, mesh.faces) > 1
+
+
+def test_joining_an_stl_file_is_undone_by_its_report(tmp_path, capsys):
+    path, out, back, report = (tmp_path / name for name in ("in.stl", "out.stl", "back.stl", "r.json"))
+    tripatch.write(path, box(2e-5))
+    assert run(capsys, "fill", path, out, "--all", "--join", 1e-3, "--report", report)[0] == 0
+    assert run(capsys, "strip", out, back, "--report", report)[0] == 0
+    assert back.read_bytes() == path.read_bytes()
 
 
 def cap_and_bowl(low, high):

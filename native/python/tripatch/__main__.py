@@ -68,7 +68,7 @@ def parser() -> argparse.ArgumentParser:
     fill.add_argument("--report", type=Path, metavar="FILE.json", help="write a JSON report to FILE.json")
     fill.add_argument("--deviation", action="store_true", help="write the error estimate of new vertices into OUT.ply")
     fill.add_argument(
-        "--join", type=float, metavar="DISTANCE", help="join borders that are at most so far apart (default: size / 1e6)"
+        "--join", type=float, metavar="DISTANCE", help="join borders that are at most so far apart, and T-junctions"
     )
     arguments.add_groups(fill, OPTIONS.values())
     arguments.add_talk(fill, json=True)
@@ -208,12 +208,13 @@ def _write(args: argparse.Namespace, out: files.MeshFile) -> None:
         _say(f"{args.out} holds vertices and faces only; what else {args.input.suffix} files hold was left behind")
 
 
-def _copied(args: argparse.Namespace, out: files.MeshFile, left: Sequence[Any]) -> int:
-    """OUT is written as it is read: the mesh has no hole."""
+def _copied(args: argparse.Namespace, out: files.MeshFile, left: Sequence[Any], joined: bool) -> int:
+    """OUT is written without fills: the mesh has no hole."""
     _tell(args, [], left, out)
     _write(args, out)
     if not args.json and not args.quiet:
-        print(f"Nothing to fill: {_left_open(args, left) or 'the mesh has no border'}")
+        done = "Joined borders" if joined else "Nothing to fill"
+        print(f"{done}: {_left_open(args, left) or 'the mesh has no border'}")
     return FILLED
 
 
@@ -239,7 +240,9 @@ def _fill(args: argparse.Namespace) -> int:
         found = borders.find(mesh.vertices, mesh.faces, **_gathering(args), **choosing)
         left = found.outer_borders
         if not found.rims and not (choosing.keys() - {"outer"} and tripatch.choose_holes(mesh.vertices, mesh.faces)):
-            return _copied(args, out, left)
+            if found.joined:
+                out.join(found.joined)
+            return _copied(args, out, left, bool(found.joined))
     if found and (args.all or (len(found.rims) == 1 and not found.is_plain)):
         results = filling.fill_all(mesh.vertices, mesh.faces, found, progress=_progress, **options)
         holes = list(zip(results.rims, results, strict=True))
@@ -259,6 +262,8 @@ def _fill(args: argparse.Namespace) -> int:
     note = _unheard if args.quiet else _say
 
     fills: list[tripatch.Fill] = [result for _, result in holes if not isinstance(result, tripatch.Refusal)]
+    if found and found.joined and fills:
+        out.join(found.joined)
     out.append_all(fills)
     _tell(args, holes, left, out)
     if not fills:

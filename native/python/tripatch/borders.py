@@ -6,11 +6,51 @@ from typing import Any
 
 import numpy as np
 
-from . import _arrays, _native
+from . import _arrays, _native, quality
 from ._types import Array
 from .errors import Refusal
 from .messages import Message
 from .options import checked
+
+
+class Joined:
+    """What joining the borders of a mesh changes in it.
+
+    Attributes:
+        moved: vertices (k,) and the places (k, 3) that they go to.
+        splits: (face, corner, vertex, t) of vertices that lie within edges: the face gets the vertex after this corner, t of the
+            way to the next; by face, corner and t.
+    """
+
+    def __init__(self, vertices: Array, stands: Array, splits: list[tuple[int, int, int, float]]) -> None:
+        """stands: for each vertex the one whose place it takes."""
+        moved = np.flatnonzero((vertices[stands] != vertices).any(axis=1))
+        self.moved, self.splits = (moved, vertices[stands[moved]]), splits
+
+    def faces(self, offsets: Array, corners: Array) -> tuple[Array, Array]:
+        """Offsets and corners of the mesh's faces with the vertices that they get."""
+        face, corner, vertex = (np.array([each[k] for each in self.splits], np.int64) for k in range(3))
+        sizes = np.diff(offsets) + np.bincount(face, minlength=len(offsets) - 1)
+        places = offsets[face] + corner + 1
+        return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), np.insert(corners, places, vertex)
+
+    def triangles(self, points: Array, offsets: Array, corners: Array) -> tuple[Array, Array, Array]:
+        """The same with triangles cut into triangles, and the number that each face had before. points: of all vertices."""
+        made, all_corners = self.faces(offsets, corners)
+        cut = np.flatnonzero((np.diff(offsets) == 3) & (np.diff(made) > 3))
+        sizes, of_face = np.diff(made), np.arange(len(made) - 1)
+        rows = [all_corners[made[f] : made[f + 1]] for f in cut.tolist()]
+        triangles = np.concatenate([row[quality.well_shaped(points[row])] for row in rows] or [np.zeros((0, 3), np.int64)])
+        of_row = np.repeat(np.arange(len(rows)), [len(row) - 2 for row in rows])
+        kept = np.ones(len(sizes), bool)
+        kept[cut] = False
+        order = np.argsort(np.concatenate([of_face[kept], cut[of_row]]), kind="stable")
+        lists = np.concatenate([sizes[kept], np.full(len(triangles), 3)])[order]
+        starts = np.concatenate([made[:-1][kept], len(all_corners) + 3 * np.arange(len(triangles))])[order]
+        ends = np.cumsum(lists)
+        places = np.repeat(starts - (ends - lists), lists) + np.arange(ends[-1] if len(ends) else 0)
+        flat = np.concatenate([all_corners, triangles.reshape(-1)])[places]
+        return np.concatenate([[0], ends]).astype(np.int64), flat, np.concatenate([of_face[kept], cut[of_row]])[order]
 
 
 class Holes:
@@ -21,16 +61,25 @@ class Holes:
         rims: of each hole, by such vertices; islands: of each the loops inside it.
         refused: of borders that are no holes, by their place in `rims`.
         outer: the outer borders that are left open; borders: all of them.
+        joined: what must change in the mesh for that; None: nothing, or borders are joined in thought only.
     """
 
     def __init__(self, vertices: Array, offsets: Array, corners: Array, given: Any, islands: str, join: float | None) -> None:
         """given: options of `choose_holes`."""
+        if join is not None and not 0 <= join < np.inf:
+            raise ValueError(f"join must be a distance, 0 or more and finite, not {join:g}")
+        self._original, self._offsets, self.corners = corners, offsets, corners
+        self._stands: Array | None = None
+        self.joined: Joined | None = None
         joined = _native._join_borders(vertices, offsets, corners, join)
-        self._original, self._offsets = corners, offsets
-        self.corners: Array = joined[0] if joined else corners
-        self._stands: Array | None = joined[1] if joined else None
-        self.mesh = mesh = vertices, offsets, self.corners
-        self.borders = borders = [loop.tolist() for loop in _native._find_holes(offsets, self.corners)]
+        if joined:
+            self._offsets, self.corners, self._stands, splits = joined
+            whole = Joined(vertices, self._stands, splits)
+            self._original = whole.faces(offsets, corners)[1]
+            changes = len(splits) or len(whole.moved[0])
+            self.joined = whole if join is not None and changes else None
+        self.mesh = mesh = vertices, self._offsets, self.corners
+        self.borders = borders = [loop.tolist() for loop in _native._find_holes(*mesh[1:])]
         chosen = [loop.tolist() for loop in _native._choose_holes(*mesh, given)] if borders else []
         outer = [loop.tolist() for loop in _native._outer_borders(*mesh)] if borders and not given.get("outer") else []
         found = zip(borders, _native._contacts(*mesh, borders), strict=True)

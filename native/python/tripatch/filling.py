@@ -13,7 +13,7 @@ import numpy as np
 from . import _arrays, _native, words
 from ._native import Patch
 from ._types import Array, ArrayLike, Faces
-from .borders import Holes, passages
+from .borders import Holes, Joined, passages
 from .errors import Refusal
 from .holes import SURROUNDING_RINGS
 from .options import OPTIONS, checked, not_at_default, takes_options, value, whole
@@ -142,16 +142,23 @@ class Fills(list["Fill | Refusal"]):
     Attributes:
         rims: of each hole its rim.
         outer_borders: the border loops that were left open as outer ones; none where rims are named.
+        joined: what `join` changes in the mesh, as `merge` does it: `moved`, vertices and their new places, and `splits`,
+            vertices that faces get within their edges. None where it changes nothing.
     """
 
     rims: list[Array]
     outer_borders: list[Array]
+    joined: Joined | None
 
     def __init__(
-        self, results: Iterable[Fill | Refusal] = (), rims: Sequence[Array] = (), outer_borders: Sequence[Array] = ()
+        self,
+        results: Iterable[Fill | Refusal] = (),
+        rims: Sequence[Array] = (),
+        outer_borders: Sequence[Array] = (),
+        joined: Joined | None = None,
     ) -> None:
         super().__init__(results)
-        self.rims, self.outer_borders = list(rims), list(outer_borders)
+        self.rims, self.outer_borders, self.joined = list(rims), list(outer_borders), joined
 
 
 @dataclasses.dataclass
@@ -329,8 +336,9 @@ def fill_all(
             are to be detected; None: all are detected; an empty list: all are round.
         islands: "auto": borders of other parts of the mesh that lie inside a hole belong to it; "none": each is a hole. Of rims
             that are named none are.
-        join: where rims are None, the distance within which vertices of borders that lie on each other count as one; None: a
-            millionth of the mesh's size. Borders that lie on others all the same are refused.
+        join: where rims are None, the distance within which borders that lie on each other are joined: vertices move to one
+            place, and a vertex that lies within an edge goes into the face there (T-junctions). None: vertices within a
+            millionth of the mesh's size count as one, and stay. Borders that lie on others all the same are refused.
         progress: called with the number of holes done and the number of all, several times a second; what it raises ends the
             work, as Ctrl-C does.
         **options: see OPTIONS.
@@ -350,7 +358,7 @@ def fill_all(
     if rims is None:
         holes = Holes(v, offsets, face_corners, given, islands, join)
     if holes:
-        face_corners = holes.corners
+        _, offsets, face_corners = holes.mesh
     loops = holes.rims if holes else [_arrays.indices(loop, "rim") for loop in rims]
     given_corners = () if corners is None else corners if len(corners) else [()] * len(loops)
     by_rim = [value(OPTIONS["corners"], each) for each in given_corners]
@@ -381,7 +389,7 @@ def fill_all(
             together.append(filled)
     if not holes:
         return Fills(fills, [np.array(loop, np.int64) for loop in loops])
-    return Fills(fills, [holes.in_mesh(loop) for loop in loops], holes.outer_borders)
+    return Fills(fills, [holes.in_mesh(loop) for loop in loops], holes.outer_borders, holes.joined)
 
 
 def _is_in_mesh(given: Any) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _arrays, trimeshes
 from ._types import Array, ArrayLike, Faces
+from .borders import Joined
 from .errors import FillWarning, Refusal
 from .files.mesh_file import MeshFile
 from .filling import Fill, Fills, fill_all
@@ -26,14 +27,16 @@ class HolesReport:
         refusals: the `Refusal` of each hole that was not.
         results: both, in the order of the holes.
         outer_borders: the border loops that were left open as outer ones.
+        joined: as of `Fills`, which `fill_all` returns.
         warnings: of all fills.
     """
 
     results: list[Fill | Refusal]
     outer_borders: list[Array]
+    joined: Joined | None
 
     def __init__(self, results: Fills) -> None:
-        self.results, self.outer_borders = list(results), results.outer_borders
+        self.results, self.outer_borders, self.joined = list(results), results.outer_borders, results.joined
 
     @property
     def fills(self) -> list[Fill]:
@@ -70,13 +73,16 @@ class HolesReport:
 class _Merged:
     """The faces of a mesh and of its fills as one mesh."""
 
-    def __init__(self, vertices: ArrayLike, faces: Faces, results: Sequence[Fill | Refusal]) -> None:
+    def __init__(self, vertices: ArrayLike, faces: Faces, results: Sequence[Fill | Refusal], joined: Joined | None) -> None:
         v, offsets, corners = _arrays.mesh(vertices, faces)
         self.count = len(v)
         self.fills = [each for each in results if isinstance(each, Fill)]
         self.vertices = np.concatenate([v, *(fill.vertices for fill in self.fills)])
-        for fill in self.fills:
-            self.vertices[fill.moved[0]] = fill.moved[1]
+        for moved in [*([joined.moved] if joined else []), *(fill.moved for fill in self.fills)]:
+            self.vertices[moved[0]] = moved[1]
+        of_face = None
+        if joined and joined.splits:
+            offsets, corners, of_face = joined.triangles(self.vertices, offsets, corners)
         first, sizes = self.count, np.diff(offsets)
         parts, counts = [], []
         for fill in self.fills:
@@ -89,7 +95,7 @@ class _Merged:
         gone = np.unique(np.concatenate([fill.replaced for fill in self.fills])) if self.fills else np.zeros(0, np.int64)
         if len(gone):
             kept = np.ones(len(sizes), bool)
-            kept[gone] = False
+            kept[gone if of_face is None else np.isin(of_face, gone)] = False
             corners, sizes = corners[np.repeat(kept, sizes)], sizes[kept]
         self.corners = np.concatenate([corners, *parts])
         self.offsets = np.concatenate([[0], np.cumsum(np.concatenate([sizes, *counts]))]).astype(np.int64)
@@ -112,17 +118,17 @@ def merge(vertices: ArrayLike, faces: Faces, fills: Sequence[Fill | Refusal]) ->
     Args:
         vertices: (n, 3) positions.
         faces: (m, 3) or (m, 4) int array, or a list of index lists.
-        fills: `Fill` objects of this mesh, as `fill_all` returns them; a `Refusal` adds nothing.
+        fills: `Fill` objects of this mesh, or all that `fill_all` returns, which joins borders too; a `Refusal` adds nothing.
 
     Returns:
-        Vertices: the mesh's own, where a cage option did not move them, then those of each fill. Faces: the mesh's own without
-        those that a fill replaces, then those of each fill; an array (m, 3) or (m, 4) if all have as many corners, else index
-        lists, and lists where lists were given.
+        Vertices: the mesh's own, where neither a cage option nor `join` moved them, then those of each fill. Faces: the mesh's
+        own without those that a fill replaces, with triangles that `join` splits as several, then those of each fill; an array
+        (m, 3) or (m, 4) if all have as many corners, else index lists, and lists where lists were given.
     """
     for each in fills:
         if not isinstance(each, Fill | Refusal):
             raise TypeError(f"fills must hold Fill objects, not {type(each).__name__}")
-    whole = _Merged(vertices, faces, fills)
+    whole = _Merged(vertices, faces, fills, fills.joined if isinstance(fills, Fills) else None)
     return whole.vertices, _like(faces, whole.offsets, whole.corners)
 
 
@@ -186,14 +192,18 @@ def fill_holes(
             warnings.warn(FillWarning(Message("hole_not_filled", {"reason": refusal.messages[0]}, refusal.where)), stacklevel=2)
         for said in report.warnings:
             warnings.warn(FillWarning(said), stacklevel=2)
-    made = trimeshes.filled(mesh, welded, report.fills) if welded else _filled(mesh, vertices, own, report, faces is not None)
+    made = (
+        trimeshes.filled(mesh, welded, report.fills, report.joined)
+        if welded
+        else _filled(mesh, vertices, own, report, faces is not None)
+    )
     return (made, report) if return_report else made
 
 
 def _filled(mesh: Any, vertices: ArrayLike, faces: Faces, report: HolesReport, as_pair: bool) -> Any:
     if not as_pair and isinstance(mesh, MeshFile):
-        return mesh.filled(report.fills)
-    whole = _Merged(vertices, faces, report.fills)
+        return mesh.filled(report.fills, report.joined)
+    whole = _Merged(vertices, faces, report.fills, report.joined)
     kind, rows = np.asarray(vertices).dtype, _like(faces, whole.offsets, whole.corners)
     points = whole.vertices.astype(kind) if kind.kind == "f" else whole.vertices
     return (points, rows) if as_pair else _rebuilt(mesh, points, rows)

@@ -51,6 +51,31 @@ def triangulated(faces: Any, vertices: ArrayLike | None = None) -> tuple[Array, 
     return np.column_stack([flat[first], flat[first + step + 1], flat[first + step + 2]]), of_face
 
 
+def well_shaped(points: Array) -> Array:
+    """(n - 2, 3) triangles of a convex polygon (n, 3), also with corners in a line: the flattest is as little flat as can be."""
+    count = len(points)
+    best, cut = np.full((count, count), np.inf), np.zeros((count, count), np.int64)
+    for span in range(2, count):
+        for i in range(count - span):
+            j = i + span
+            inner = points[i + 1 : j]
+            edges = inner - points[i], points[j] - inner
+            longest = np.maximum((edges[0] ** 2).sum(1), (edges[1] ** 2).sum(1))
+            longest = np.maximum(longest, ((points[j] - points[i]) ** 2).sum())
+            shape = np.linalg.norm(np.cross(*edges), axis=1) / np.maximum(longest, 1e-300)
+            least = np.minimum(shape, np.minimum(best[i, i + 1 : j], best[i + 1 : j, j]))
+            cut[i, j] = i + 1 + int(np.argmax(least))
+            best[i, j] = least.max()
+    made, left = [], [(0, count - 1)]
+    while left:
+        i, j = left.pop()
+        if j - i > 1:
+            k = int(cut[i, j])
+            made.append((i, k, j))
+            left += [(i, k), (k, j)]
+    return np.array(made, np.int64)
+
+
 def unit(vectors: Array) -> Array:
     """Rows (k, 3) of length one; what is shorter than any length stays zero."""
     made: Array = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-30)

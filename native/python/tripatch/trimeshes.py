@@ -11,6 +11,7 @@ import numpy as np
 
 from . import _arrays, quality
 from ._types import Array
+from .borders import Joined
 from .charts import SAME
 from .files.continued import Continued
 from .files.mesh_file import MeshFile
@@ -64,8 +65,8 @@ class Welded:
 class _Filled:
     """A Trimesh and its fills: vertices as they are needed, one for each place and texture coordinate there."""
 
-    def __init__(self, mesh: Any, welded: Welded, fills: Sequence[Fill]) -> None:
-        self._mesh, self._welded, self._fills = mesh, welded, fills
+    def __init__(self, mesh: Any, welded: Welded, fills: Sequence[Fill], joined: Joined | None) -> None:
+        self._mesh, self._welded, self._fills, self._joined = mesh, welded, fills, joined
         visual = mesh.visual
         self.kind = getattr(visual, "kind", None)
         self._uv: Any = np.asarray(visual.uv) if self.kind == "texture" and visual.uv is not None else None
@@ -81,6 +82,8 @@ class _Filled:
         for fill in fills:
             used = np.unique(fill._flat_faces()[1])
             self._copies |= {v: [] for v in used[used < len(welded.vertices)].tolist()}
+        if joined:
+            self._copies |= {v: [] for _, _, v, _ in joined.splits}
         for k in np.flatnonzero(np.isin(welded.to, list(self._copies))).tolist():
             self._copies[int(welded.to[k])].append(k)
         self.points = np.array(mesh.vertices, float)
@@ -90,6 +93,8 @@ class _Filled:
         self.faces: list[list[int]] = []
         self.models: list[int] = []
         self.continued = []
+        if joined and joined.splits:
+            self._join(joined)
         for k, fill in enumerate(fills):
             look = Continued(
                 self._old.vertices,
@@ -100,6 +105,23 @@ class _Filled:
             )
             self.continued.append(look)
             self._add(k, fill, look)
+
+    def _join(self, joined: Joined) -> None:
+        """Triangles in place of those that get vertices within their edges."""
+        points = self._welded.vertices.copy()
+        points[joined.moved[0]] = joined.moved[1]
+        old, own = self._welded.faces, np.asarray(self._mesh.faces)
+        uv = {}
+        for f, corner, v, t in joined.splits:
+            a, b = (own[self._welded.kept[f]][c % 3] for c in (corner, corner + 1))
+            uv[f, v] = None if self._uv is None else (1 - t) * self._uv[a] + t * self._uv[b]
+        _, corners, of_face = joined.triangles(points, 3 * np.arange(len(old) + 1), old.reshape(-1))
+        split = np.isin(of_face, list({f for f, _ in uv}))
+        for f, triangle in zip(of_face[split].tolist(), corners.reshape(-1, 3)[split].tolist(), strict=True):
+            beside = dict(zip(old[f].tolist(), own[self._welded.kept[f]].tolist(), strict=True))
+            new = [beside[v] if v in beside else self._number(-1, v, uv[f, v], [*beside.values()]) for v in triangle]
+            self.faces.append(new)
+            self.models.append(int(self._welded.kept[f]))
 
     def _add(self, k: int, fill: Fill, continued: Continued) -> None:
         count, kept = len(self._welded.vertices), self._welded.kept
@@ -142,8 +164,8 @@ class _Filled:
 
     def vertices(self) -> Array:
         """All of them, in the order of `of_vertices`."""
-        for fill in self._fills:
-            for v, place in zip(*fill.moved, strict=True):
+        for moved in [*([self._joined.moved] if self._joined else []), *(fill.moved for fill in self._fills)]:
+            for v, place in zip(*moved, strict=True):
                 self.points[self._welded.to == v] = place
         new = [self.points[v] if k < 0 else self._fills[k].vertices[v] for k, v in self.added]
         return np.concatenate([self.points, np.reshape(new, (-1, 3))])
@@ -160,14 +182,15 @@ class _Filled:
         return np.concatenate([given, np.reshape(new, (-1, 3))])
 
 
-def filled(mesh: Any, welded: Welded, fills: Sequence[Fill]) -> Any:
-    """A trimesh.Trimesh with its colors or texture, normals and attributes."""
+def filled(mesh: Any, welded: Welded, fills: Sequence[Fill], joined: Joined | None = None) -> Any:
+    """A trimesh.Trimesh with its colors or texture, normals and attributes. joined: what joining borders changes in it."""
     if any(len(fill.split_edges[0]) for fill in fills):
         raise ValueError("a Trimesh holds triangles, and one with a split edge is none; use odd='triangle'")
-    if not fills:
+    if not fills and not joined:
         return mesh.copy()
-    whole = _Filled(mesh, welded, fills)
-    gone = welded.kept[np.unique(np.concatenate([fill.replaced for fill in fills]))]
+    whole = _Filled(mesh, welded, fills, joined)
+    split = [f for f, *_ in joined.splits] if joined else []
+    gone = welded.kept[np.unique(np.concatenate([np.array(split, np.int64), *(fill.replaced for fill in fills)]))]
     stay = np.setdiff1d(np.arange(len(mesh.faces)), gone)
     models = np.concatenate([stay, whole.models]).astype(np.int64)
     visual, kind = mesh.visual, whole.kind
@@ -180,7 +203,7 @@ def filled(mesh: Any, welded: Welded, fills: Sequence[Fill]) -> Any:
 
     normals = np.asarray(mesh.vertex_normals) if "vertex_normals" in mesh._cache.cache else None
     made = mesh.copy()
-    made.vertices, made.faces = whole.vertices(), np.concatenate([np.asarray(mesh.faces)[stay], whole.faces])
+    made.vertices, made.faces = whole.vertices(), np.concatenate([np.asarray(mesh.faces)[stay], np.reshape(whole.faces, (-1, 3))])
     made.vertex_attributes = {name: of_vertices("", values) for name, values in mesh.vertex_attributes.items()}
     made.face_attributes = {**mesh.face_attributes, **{name: each[models] for name, each in whole.by_face.items()}}
     if kind == "texture":

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 
@@ -105,8 +107,7 @@ private:
 constexpr std::size_t no_partner = static_cast<std::size_t>(-1);
 
 /// For each segment the one that lies on it and runs the other way, if that is one clearly.
-std::vector<std::size_t> partners(const std::vector<BorderSegment>& segments, double distance) {
-  const SegmentTree tree(segments);
+std::vector<std::size_t> partners(const std::vector<BorderSegment>& segments, const SegmentTree& tree, double distance) {
   std::vector<std::size_t> nearest(segments.size(), no_partner);
   for (std::size_t e = 0; e < segments.size(); ++e) {
     const BorderSegment& own = segments[e];
@@ -150,6 +151,114 @@ void part_within_faces(const FacesRef& faces, std::vector<Index>& stands) {
     if (parted[stands[v]]) stands[v] = static_cast<Index>(v);
 }
 
+/// A segment that lies along another and runs the other way, and the part of that, in lengths from its start, where it does.
+struct EdgeOverlap {
+  std::size_t own, other;
+  double first, last;
+};
+
+/// The ends of a segment that lie on another, in lengths from the start of that.
+std::vector<double> ends_on(const BorderSegment& other, const BorderSegment& own, double distance) {
+  std::vector<double> found;
+  const Vec3 way = (own.q - own.p).normalized();
+  for (const Vec3& end : {other.p, other.q})
+    if (distance_to(own, end) <= distance) found.push_back(std::clamp((end - own.p).dot(way), 0.0, own.length()));
+  return found;
+}
+
+/// Where segments without partners lie along each other, of each pair both ways. A segment along which two lie at one place has none.
+std::vector<EdgeOverlap> overlaps(const std::vector<BorderSegment>& segments, const SegmentTree& tree,
+                                  const std::vector<std::size_t>& partner, double distance) {
+  const auto is_free = [&](std::size_t e) { return partner[e] == no_partner && segments[e].length() > 2 * distance; };
+  std::vector<std::array<std::size_t, 2>> pairs;
+  for (std::size_t e = 0; e < segments.size(); ++e) {
+    if (!is_free(e)) continue;
+    for (const Vec3& end : {segments[e].p, segments[e].q})
+      tree.near(end, distance, [&](std::size_t f) {
+        if (f != e && is_free(f)) pairs.push_back({std::min(e, f), std::max(e, f)});
+      });
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::vector<EdgeOverlap> found;
+  for (const auto& [e, f] : pairs) {
+    const BorderSegment &own = segments[e], &other = segments[f];
+    if ((own.q - own.p).dot(other.q - other.p) >= 0) continue;
+    for (const auto& [a, b] : {std::array{e, f}, std::array{f, e}}) {
+      std::vector<double> at = ends_on(segments[b], segments[a], distance);
+      if (distance_to(segments[b], segments[a].p) <= distance) at.push_back(0);
+      if (distance_to(segments[b], segments[a].q) <= distance) at.push_back(segments[a].length());
+      const auto [first, last] = std::ranges::minmax(at);
+      if (last - first > 2 * distance) found.push_back({a, b, first, last});
+    }
+  }
+  std::ranges::sort(found, [](const EdgeOverlap& a, const EdgeOverlap& b) {
+    return std::tie(a.own, a.first, a.other) < std::tie(b.own, b.first, b.other);
+  });
+  std::vector<char> unclear(segments.size(), 0);
+  for (std::size_t k = 1; k < found.size(); ++k)
+    if (found[k].own == found[k - 1].own && found[k].first < found[k - 1].last - 2 * distance) unclear[found[k].own] = 1;
+  std::erase_if(found, [&](const EdgeOverlap& each) { return unclear[each.own] || unclear[each.other]; });
+  return found;
+}
+
+/// Vertices that lie within edges of faces, by the corners of these in the order of the faces; with the part of the way from the first.
+using EdgeVertices = std::map<std::array<Index, 2>, std::vector<std::pair<double, Index>>>;
+
+/// Unites ends that lie at ends of other segments, and gives those that lie within them.
+EdgeVertices vertices_within(const Mesh& mesh, const std::vector<BorderSegment>& segments, const std::vector<EdgeOverlap>& along,
+                             double distance, std::vector<Index>& stands) {
+  EdgeVertices within;
+  for (const EdgeOverlap& each : along) {
+    const BorderSegment &own = segments[each.own], &other = segments[each.other];
+    for (const auto& [v, at] : {std::pair{other.from, other.p}, std::pair{other.to, other.q}}) {
+      if (distance_to(own, at) > distance) continue;
+      if ((at - own.p).norm() <= distance) {
+        unite(stands, v, own.from);
+      } else if ((at - own.q).norm() <= distance) {
+        unite(stands, v, own.to);
+      } else {
+        const Vec3 back = own.p - own.q;
+        within[{own.to, own.from}].emplace_back((at - own.q).dot(back) / back.squaredNorm(), v);
+      }
+    }
+  }
+  for (auto& [edge, vertices] : within) {
+    std::sort(vertices.begin(), vertices.end());
+    const double length = (mesh.vertices.row(edge[0]) - mesh.vertices.row(edge[1])).norm();
+    for (std::size_t k = 1; k < vertices.size(); ++k)
+      if ((vertices[k].first - vertices[k - 1].first) * length <= distance)
+        unite(stands, vertices[k - 1].second, vertices[k].second);
+  }
+  return within;
+}
+
+/// The faces with vertices in their edges; where a face has one at that place already, it gets none.
+Faces split_faces(const FacesRef& faces, const EdgeVertices& within, JoinedBorders& joined) {
+  if (within.empty()) return Faces(faces);
+  Faces made;
+  std::vector<Index> face;
+  for (Index f = 0; f < faces.size(); ++f) {
+    face.clear();
+    std::vector<Index> seen;
+    for (const Index v : faces[f]) seen.push_back(joined.stands[v]);
+    for (std::size_t k = 0; k < faces[f].size(); ++k) {
+      face.push_back(faces[f][k]);
+      const auto found = within.find({faces[f][k], faces[f][(k + 1) % faces[f].size()]});
+      if (found == within.end()) continue;
+      for (const auto& [t, vertex] : found->second) {
+        const Index v = joined.stands[vertex];
+        if (std::ranges::find(seen, v) != seen.end()) continue;
+        seen.push_back(v);
+        face.push_back(v);
+        joined.splits.push_back({f, static_cast<Index>(k), v, t});
+      }
+    }
+    made.add(face);
+  }
+  return made;
+}
+
 }  // namespace
 
 double size_of(const Mesh& mesh) {
@@ -159,11 +268,14 @@ double size_of(const Mesh& mesh) {
   return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
-JoinedBorders join_borders(const Mesh& mesh, double distance) {
+JoinedBorders join_borders(const Mesh& mesh, double distance, bool junctions) {
   const std::vector<std::vector<Index>> loops = border_loops(Connectivity(mesh));
   const std::vector<BorderSegment> segments = segments_of(mesh, loops);
-  const std::vector<std::size_t> partner = partners(segments, distance);
-  if (std::ranges::all_of(partner, [](std::size_t p) { return p == no_partner; })) return {};
+  const SegmentTree tree(segments);
+  const std::vector<std::size_t> partner = partners(segments, tree, distance);
+  std::vector<EdgeOverlap> along;
+  if (junctions) along = overlaps(segments, tree, partner, distance);
+  if (along.empty() && std::ranges::all_of(partner, [](std::size_t p) { return p == no_partner; })) return {};
   JoinedBorders joined;
   joined.stands.resize(mesh.vertices.rows());
   std::iota(joined.stands.begin(), joined.stands.end(), Index{0});
@@ -172,9 +284,10 @@ JoinedBorders join_borders(const Mesh& mesh, double distance) {
     unite(joined.stands, segments[e].from, segments[partner[e]].to);
     unite(joined.stands, segments[e].to, segments[partner[e]].from);
   }
+  const EdgeVertices within = vertices_within(mesh, segments, along, distance, joined.stands);
   for (std::size_t v = 0; v < joined.stands.size(); ++v) joined.stands[v] = root(joined.stands, static_cast<Index>(v));
-  part_within_faces(mesh.faces, joined.stands);
-  joined.faces = Faces(mesh.faces);
+  joined.faces = split_faces(mesh.faces, within, joined);
+  part_within_faces(joined.faces, joined.stands);
   for (Index& v : joined.faces.corners) v = joined.stands[v];
   return joined;
 }

@@ -57,11 +57,31 @@ class MeshFile:
         self._split_faces: dict[int, list[int]] = {}
         self._face_of_edge: dict[tuple[int, int], int] = {}
         self._by_vertex: tuple[Array, Array] | None = None
+        self._also_at: dict[int, list[int]] = {}  # faces that got a vertex within an edge
 
     @property
     def deviation(self) -> Array | None:
         """(n,) standard deviation of the vertices, below 0 where it is not known; None: the file does not say."""
         return None
+
+    def join(self, joined: Any) -> None:
+        """Changes what `join` of `fill_all` changes in the mesh (`Fills.joined`), before fills are added."""
+        self.vertices = self.vertices.copy()
+        self.vertices[joined.moved[0]] = joined.moved[1]
+        self.vertices.flags.writeable = False
+        self._join(joined)
+
+    def _join(self, joined: Any) -> None:
+        for v, place in zip(*joined.moved):
+            self._move(int(v), place)
+        last, reach = None, 1.0
+        for f, corner, v, t in reversed(joined.splits):
+            reach = 1.0 if (f, corner) != last else reach
+            face = self._split_faces.setdefault(f, list(self.faces[f]))
+            self._split(f, corner, v, t / reach)
+            face.insert(corner + 1, v)
+            self._also_at.setdefault(v, []).append(f)
+            last, reach = (f, corner), t
 
     def append_all(self, fills: Sequence[Any]) -> None:
         """Adds `tripatch.Fill` objects of this mesh."""
@@ -111,9 +131,11 @@ class MeshFile:
                         break
         self._added += len(fill.vertices)
 
-    def filled(self, fills: Iterable[Any]) -> MeshFile:
-        """The file as it is once these `tripatch.Fill` objects of its mesh are in it."""
+    def filled(self, fills: Iterable[Any], joined: Any = None) -> MeshFile:
+        """The file as it is once these `tripatch.Fill` objects of its mesh are in it. joined: as `join` takes it."""
         made = copy.deepcopy(self).marked()
+        if joined:
+            made.join(joined)
         made.append_all(list(fills))
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, f"mesh{self.suffix}")
@@ -176,7 +198,7 @@ class MeshFile:
         raise NotImplementedError
 
     def _split(self, f: int, place: int, v: int, t: float) -> None:
-        """The file's own face f gets the new vertex v after its corner `place`, the part t of the way to the next."""
+        """The file's own face f gets the vertex v after its corner `place`, the part t of the way to the next."""
         raise NotImplementedError
 
     def _look(self, f: int) -> Hashable:
@@ -203,4 +225,4 @@ class MeshFile:
             self._by_vertex = starts, np.repeat(np.arange(len(self.faces)), np.diff(self.faces.offsets))[order]
         starts, faces = self._by_vertex
         found: list[int] = faces[starts[v] : starts[v + 1]].tolist()
-        return found
+        return found + self._also_at.get(v, [])

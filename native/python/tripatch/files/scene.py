@@ -119,10 +119,12 @@ class SceneFile(MeshFile):
         """Raises FileError for a format that cannot be written."""
 
     def _move(self, v: int, place: Array) -> None:
-        raise FileError(f"Vertices of {self.suffix} files are not moved; write another format, or leave out --faces cage")
+        raise FileError(
+            f"Vertices of {self.suffix} files are not moved; write another format, or leave out --faces cage and --join"
+        )
 
     def _split(self, f: int, place: int, v: int, t: float) -> None:
-        raise FileError(f"Edges of {self.suffix} files are not split; write another format, or leave out --faces cage")
+        raise FileError(f"Edges of {self.suffix} files are not split; write another format, or leave out --faces cage and --join")
 
     def _own_face(self, f: int) -> list[int]:
         """The corners of a face by its part's own vertices."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import _arrays
 from .._types import Array
+from ..borders import Joined
 from . import writing
 from .continued import Continued
 from .lines import Lines
@@ -20,6 +21,35 @@ from .writing import FileError
 
 def _corner_triangles(faces: list[list[int]]) -> Any:
     return [(face[0], face[k], face[k + 1]) for face in faces for k in range(1, len(face) - 1)]
+
+
+def _outline(triangles: list[list[int]]) -> list[int]:
+    """The corners around triangles that were one."""
+    edges = {(a, b) for t in triangles for a, b in zip(t, t[1:] + t[:1])}
+    after = {a: b for a, b in edges if (b, a) not in edges}
+    found = [triangles[0][0]]
+    while after[found[-1]] != found[0]:
+        found.append(after[found[-1]])
+    return found
+
+
+def _normals(triangles: Array) -> Array:
+    """(k, 3) of triangles (k, 3, 3); zero where there is no area."""
+    normal: Array = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    return np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
+
+
+def _facet(normal: Array, corners: Array) -> list[bytes]:
+    vertices = [b"      vertex " + writing.numbers(p) for p in corners]
+    return [b"  facet normal " + writing.numbers(normal), b"    outer loop", *vertices, b"    endloop", b"  endfacet"]
+
+
+def _records(triangles: Sequence[tuple[Array, Array, int]]) -> bytes:
+    made = np.zeros(len(triangles), _STL_RECORD)
+    for record, (normal, corners, attribute) in zip(made, triangles):
+        record["normal"], record["corners"], record["attribute"] = normal, corners, attribute
+    return made.tobytes()
 
 
 _VERTEX = rb"(?im)^[ \t]*vertex[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)"
@@ -32,7 +62,9 @@ class StlFile(MeshFile):
     def __init__(self, data: bytes) -> None:
         self._data = data
         self._new: list[tuple[Array, Array, int]] = []  # normal, corners, attribute or solid
+        self._instead: dict[int, Array] = {}  # triangles (k, 3, 3) in place of one
         self._ends: list[int] = []  # of a text: where its solids end
+        self._spans: list[tuple[int, int]] = []  # of a text: where the corners of each triangle are
         count = int.from_bytes(data[80:84], "little")
         # many binary files start with "solid", too; some writers leave bytes behind the last triangle
         exact = len(data) >= 84 and len(data) == 84 + 50 * count
@@ -61,6 +93,7 @@ class StlFile(MeshFile):
         if len(chosen) % 3:
             raise FileError(f"The STL file is damaged: it has {len(chosen)} vertices, which are no whole triangles")
         self._part_of = np.searchsorted(self._ends[:-1], lines.starts[chosen[::3]])
+        self._spans = list(zip(lines.starts[chosen[::3]].tolist(), lines.starts[chosen[2::3] + 1].tolist()))
         corners = np.full((len(chosen), 3), np.nan)
         left = np.ones(len(chosen), bool)
         for some, numbers, _ in lines.table(chosen, b"", keyword=b"vertex"):
@@ -83,6 +116,19 @@ class StlFile(MeshFile):
         MeshFile.__init__(stl, vertices, faces)  # numbered as given, not by first use
         return stl
 
+    def _join(self, joined: Joined) -> None:
+        points, offsets, corners = self.vertices, self.faces.offsets, self.faces.corners
+        _, made, of_face = joined.triangles(points, offsets, corners)
+        gone = np.isin(corners.reshape(-1, 3), joined.moved[0]).any(axis=1)
+        gone[[f for f, *_ in joined.splits]] = True
+        triangles = points[made.reshape(-1, 3)]
+        for f in np.flatnonzero(gone).tolist():
+            first, end = np.searchsorted(of_face, [f, f + 1])
+            self._instead[f] = triangles[first:end]
+            self._split_faces[f] = _outline(made.reshape(-1, 3)[first:end].tolist())
+        for f, _, v, _ in joined.splits:
+            self._also_at.setdefault(v, []).append(f)
+
     def _move(self, v: int, place: Array) -> None:
         raise FileError("An STL file has a copy of a vertex for every triangle and none is moved; write another format")
 
@@ -100,31 +146,41 @@ class StlFile(MeshFile):
             self._add(places[np.array(triangles, int)], [part] * len(triangles))
 
     def _add(self, triangles: Array, parts: Sequence[int]) -> None:
-        normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-        length = np.linalg.norm(normal, axis=1, keepdims=True)
-        self._new += list(zip(np.divide(normal, length, out=np.zeros_like(normal), where=length > 0), triangles, parts))
+        self._new += list(zip(_normals(triangles), triangles, parts))
 
     def _pieces(self) -> list[tuple[bytes, bytes]]:
+        return self._binary_pieces() if self._binary else self._text_pieces()
+
+    def _binary_pieces(self) -> list[tuple[bytes, bytes]]:
         data = self._data
-        if self._binary:
-            records = np.zeros(len(self._new), _STL_RECORD)
-            for record, (normal, corners, attribute) in zip(records, self._new):
-                record["normal"], record["corners"], record["attribute"] = normal, corners, attribute
-            old = int.from_bytes(data[80:84], "little")
-            end, count = 84 + 50 * old, struct.pack("<I", old + len(self._new))
-            kept, rest = data[84:end], data[end:]
-            return [(data[:80], data[:80]), (count, data[80:84]), (kept, kept), (records.tobytes(), b""), (rest, rest)]
+        old = int.from_bytes(data[80:84], "little")
+        more = sum(len(triangles) - 1 for triangles in self._instead.values())
+        pieces, last = [(data[:80], data[:80]), (struct.pack("<I", old + len(self._new) + more), data[80:84])], 84
+        for f, triangles in sorted(self._instead.items()):
+            start = 84 + 50 * f
+            made = _records([(*each, int(self._part_of[f])) for each in zip(_normals(triangles), triangles)])
+            pieces += [(data[last:start], data[last:start]), (made, data[start : start + 50])]
+            last = start + 50
+        end = 84 + 50 * old
+        return [*pieces, (data[last:end], data[last:end]), (_records(self._new), b""), (data[end:], data[end:])]
+
+    def _text_pieces(self) -> list[tuple[bytes, bytes]]:
+        data = self._data
         eol = writing.line_end(writing.lines(data[:1000]))
         upper = data.lstrip()[:5].isupper()
-        pieces, last = [], 0
+
+        def text(lines: list[bytes]) -> bytes:
+            return b"".join((line.upper() if upper else line) + eol for line in lines)
+
+        changes: list[tuple[int, int, bytes]] = []  # from, to, what is there instead
+        for f, triangles in self._instead.items():
+            lines = [line for each in zip(_normals(triangles), triangles) for line in _facet(*each)]
+            changes.append((*self._spans[f], text(lines[2:-2])))  # what begins the first and ends the last is there
         for solid, end in enumerate(self._ends):
-            text = []
-            for normal, corners, part in self._new:
-                if part == solid:
-                    text += [b"  facet normal " + writing.numbers(normal), b"    outer loop"]
-                    text += [b"      vertex " + writing.numbers(p) for p in corners]
-                    text += [b"    endloop", b"  endfacet"]
-            added = b"".join((line.upper() if upper else line) + eol for line in text)
-            pieces += [(data[last:end], data[last:end]), (added, b"")]
+            added = [_facet(normal, corners) for normal, corners, part in self._new if part == solid]
+            changes.append((end, end, text([line for lines in added for line in lines])))
+        pieces, last = [], 0
+        for start, end, new in sorted(changes):
+            pieces += [(data[last:start], data[last:start]), (new, data[start:end])]
             last = end
         return [*pieces, (data[last:], data[last:])]

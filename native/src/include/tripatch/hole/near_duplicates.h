@@ -17,14 +17,23 @@ constexpr double near_place = 1e-4;
 /// The diagonal of the box around all finite vertices.
 double size_of(const Mesh& mesh);
 
+/// A vertex that a face gets within an edge.
+struct EdgeSplit {
+  Index face, corner;  ///< after this corner of the face as it was
+  Index vertex;
+  double t;  ///< the part of the way to the next corner
+};
+
 /// A mesh whose faces share their vertices along borders that lie on each other.
 struct JoinedBorders {
-  Faces faces;                ///< of the vertices that stand for all at their places
-  std::vector<Index> stands;  ///< for each vertex the one that stands for it; empty: nothing was joined
+  Faces faces;                    ///< of the vertices that stand for all at their places
+  std::vector<Index> stands;      ///< for each vertex the one that stands for it; empty: nothing was joined
+  std::vector<EdgeSplit> splits;  ///< by face, corner and place on the edge
 };
 /// Joins pairs of border edges whose ends are within `distance`, and which run opposite ways, as the two faces of an edge do. Of several
-/// edges the nearest two are a pair; if that is no clear choice, none is.
-JoinedBorders join_borders(const Mesh& mesh, double distance);
+/// edges the nearest two are a pair; if that is no clear choice, none is. junctions: joins also edges that lie along each other with
+/// other ends (T-junctions): the faces get vertices within their edges.
+JoinedBorders join_borders(const Mesh& mesh, double distance, bool junctions);
 
 /// How much of a border lies on borders, within near_place of the mesh's size and a hundredth of the edge's length.
 struct Contact {
