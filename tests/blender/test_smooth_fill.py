@@ -364,7 +364,7 @@ SPLINE = "polyharmonic_spline"
 @pytest.mark.parametrize(
     ("method", "options", "said"),
     [
-        ("gordon_coons", {"continuity": "G1"}, "Gordon Coons keeps G0 along the boundary"),
+        ("gordon_coons", {"continuity": "G1"}, "Gordon Coons supports continuity G0"),
         (SPLINE, {"cross_boundary": "given"}, "Spline does not take Slopes"),
         (SPLINE, {"shape": (0.3, 0.5, 0.5)}, "Shape is an option of Szilvasi Nagy C0, Szilvasi Nagy C1, not of Spline"),
         (SPLINE, {"optimal_shape": True}, "Shape is an option of"),
