@@ -61,6 +61,18 @@ def test_a_cage_that_runs_off_a_ball_says_how_far(rings):
     assert seen
 
 
+@pytest.mark.parametrize("n", [4, 8])
+@pytest.mark.parametrize("method", ["szilvasi_nagy_c1", "quintic"])
+def test_an_exact_rim_around_an_octant_that_bulges_is_reported(method, n):
+    vertices, faces = cube_sphere(n)
+    left = [face for face in faces if not (vertices[face].mean(axis=0) > 0).all()]
+    rim = min(tripatch.find_holes(left), key=len)
+    fill = tripatch.fill(vertices, left, rim=rim, method=method, output="cage", cage_rim="exact")
+    diameter = np.linalg.norm(vertices[rim][:, None] - vertices[rim], axis=-1).max()
+    off = np.abs(np.linalg.norm(fill.limit(2)[0], axis=1) - 1).max()
+    assert off < 0.04 * diameter or says(fill.report, "cage_runs_off")
+
+
 def test_auto_keeps_its_choices():
     vertices, _, left, _, rim, _ = hole()
     fill = tripatch.fill(vertices, left, rim=rim, output="cage")
