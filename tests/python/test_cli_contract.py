@@ -92,6 +92,25 @@ def test_an_unknown_command_or_option_is_suggested_a_known_one(given, meant, cap
     assert "mean --output?" not in run(capsys, "fill", "IN", "OUT", "--outputt", "quads")[2]  # a hidden name is not suggested
 
 
+@pytest.mark.parametrize("command", ["fill", "batch"])
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (["--method", "side_vertx"], "not 'side_vertx'. Did you mean side_vertex?"),
+        (["--faces", "quad"], "faces must be one of triangles, quads, cage, not 'quad'. Did you mean quads?"),
+        (["--continuity", "G11"], "not 'G11'. Did you mean G1?"),
+    ],
+)
+def test_an_unknown_value_is_suggested_a_known_one(command, given, said, one, tmp_path, capsys):
+    code, _, err = run(capsys, command, one, "-o", tmp_path / "out.obj", *given)
+    assert code == 2 and said in err
+
+
+def test_a_picture_is_a_png_file(one, tmp_path, capsys):
+    code, _, err = run(capsys, "view", one, tmp_path / "a.jpg")
+    assert code == 2 and "Pictures are PNG files" in err and not (tmp_path / "a.jpg").exists()
+
+
 @pytest.mark.parametrize("where", [lambda out: [out], lambda out: ["-o", out], lambda out: ["--out", out]])
 @pytest.mark.parametrize("how", [["--faces", "quads"], ["--output", "quads"], ["--output=quads"]])
 def test_the_file_to_write_and_the_faces_may_be_named_either_way(where, how, one, tmp_path, capsys):

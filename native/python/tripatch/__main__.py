@@ -181,6 +181,7 @@ def _options(args: argparse.Namespace) -> dict[str, Any]:
     options = {name: getattr(args, name) for name in OPTIONS if hasattr(args, name)}
     if isinstance(options.get("islands"), str):
         options.pop("islands")
+    arguments.check_choices(options)
     for name in options:
         flag = arguments.flag(name)
         if args.all and name == "corners" and len(options[name]) == 0:

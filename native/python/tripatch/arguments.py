@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import json
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from ._arrays import MOST_SIDES
 from ._native import Option
-from .options import described, groups
+from .options import OPTIONS, described, groups, named_value
+from .words import suggested
 
 _COUNTS = {2: "two", 3: "three"}
 
@@ -148,6 +148,12 @@ def flag(name: str) -> str:
     return FLAGS.get(name, f"--{name.replace('_', '-')}")
 
 
+def check_choices(given: Mapping[str, Any]) -> None:
+    """Whether options that have a name of their own here have one of their values; ValueError by that name."""
+    for name in FLAGS.keys() & given.keys():
+        named_value(given[name], OPTIONS[name], flag(name)[2:])
+
+
 def _default(option: Option) -> str:
     if option.kind in ("indices", "loops", "points", "subdivision") or (option.kind == "flag" and not option.default):
         return ""
@@ -246,9 +252,3 @@ class Parser(argparse.ArgumentParser):
     def _meant(self, word: str) -> str:
         shown = [name for action in self._actions if action.help != argparse.SUPPRESS for name in action.option_strings]
         return suggested(word.partition("=")[0], shown) if word.startswith("--") else ""
-
-
-def suggested(word: str, words: Iterable[Any]) -> str:
-    """'. Did you mean --rim?', or nothing."""
-    near = difflib.get_close_matches(word, [str(each) for each in words], n=1)
-    return f". Did you mean {near[0]}?" if near else ""

@@ -12,7 +12,7 @@ from typing import Any, TypeVar, overload
 
 import numpy as np
 
-from . import _arrays, _native
+from . import _arrays, _native, words
 from ._native import Option
 
 #: name -> construction, with .description, .citation, .fills_holes, .continuity, .sides (the smallest and the largest number;
@@ -37,7 +37,8 @@ def choice(value: Any, name: str, allowed: Sequence[Any]) -> Any:
     if value is not None and not isinstance(value, str):
         raise TypeError(f"{name} must be a name, not {type(value).__name__}")
     if value not in allowed:
-        raise ValueError(f"{name} must be one of {', '.join(str(a) for a in allowed)}, not {value!r}")
+        listed = f"{name} must be one of {', '.join(str(a) for a in allowed)}, not {value!r}"
+        raise ValueError(listed + words.suggested(str(value), allowed))
     return value
 
 
@@ -105,12 +106,13 @@ def _seen_names(option: str) -> dict[str, str]:
     return {each.label.lower(): each.name for each in OPTIONS[option].choices if each.label}
 
 
-def _choice(value: Any, option: Option) -> Any:
+def named_value(value: Any, option: Option, called: str = "") -> Any:
+    """The value of a choice, or a list of those by side. called: what an interface calls the option."""
     allowed = (None,) * option.optional + names(option)
 
     def named(each: Any) -> Any:
         known = each in allowed or not isinstance(each, str)
-        return choice(each if known else _seen_names(option.name).get(each.lower(), each), option.name, allowed)
+        return choice(each if known else _seen_names(option.name).get(each.lower(), each), called or option.name, allowed)
 
     if option.by_side:
         return [named(each) for each in _arrays.by_side(value, option.name, str)]
@@ -207,7 +209,7 @@ _CHECKS: dict[str, Callable[..., Any]] = {
     "flag": _flag,
     "whole": _whole,
     "number": _number,
-    "choice": _choice,
+    "choice": named_value,
     "indices": _indices,
     "loops": _loops,
     "position": _position,

@@ -169,6 +169,8 @@ def add(commands: Any) -> None:
 def run(args: argparse.Namespace) -> int:
     """Draws what the command line asks for; returns the exit status."""
     args.out = arguments.out_of(args)
+    if args.out.suffix.lower() != ".png":
+        raise ValueError(f"Pictures are PNG files; give {args.out} a name that ends in .png")
     mesh = files.read(args.input)
     if min(args.size) < 1 or not any(args.toward) or not any(args.direction):
         raise ValueError("--size must be positive, --from and --direction must not be zero")

@@ -150,6 +150,7 @@ def _settings(args: argparse.Namespace) -> tuple[list[Path], Settings]:
     found = inputs.from_list(args.files) if args.files else inputs.listed(args.inputs, out)
     root = inputs.root_of(found, args.root)
     given = {name: getattr(args, name) for name in BATCH_OPTIONS if hasattr(args, name)}
+    arguments.check_choices(given)
     # what no file could be filled with is said before the first
     asked = Settings("", "", given)
     choose_holes(np.eye(3), [[0, 1, 2]], **asked.choosing())
