@@ -225,6 +225,10 @@ def test_joining_an_stl_file_is_undone_by_its_report(tmp_path, capsys):
     path, out, back, report = (tmp_path / name for name in ("in.stl", "out.stl", "back.stl", "r.json"))
     tripatch.write(path, box(2e-5))
     assert run(capsys, "fill", path, out, "--all", "--join", 1e-3, "--report", report)[0] == 0
+    mesh, told = tripatch.read(path), json.loads(report.read_text())["joined"]
+    assert told == tripatch.fill_all(mesh.vertices, mesh.faces, join=1e-3).joined.as_dict()
+    assert told == tripatch.fill_holes(mesh, join=1e-3, return_report=True)[1].as_dict()["joined"]
+    assert len(told["moved"]) > 0 and len(told["splits"]) > 0
     assert run(capsys, "strip", out, back, "--report", report)[0] == 0
     assert back.read_bytes() == path.read_bytes()
 

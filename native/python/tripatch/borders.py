@@ -27,6 +27,10 @@ class Joined:
         moved = np.flatnonzero((vertices[stands] != vertices).any(axis=1))
         self.moved, self.splits = (moved, vertices[stands[moved]]), splits
 
+    def as_dict(self) -> dict[str, Any]:
+        """What is changed as plain values, ready for JSON: vertices that move, and vertices that faces get, as [face, vertex]."""
+        return {"moved": self.moved[0].tolist(), "splits": [[f, v] for f, _, v, _ in self.splits]}
+
     def faces(self, offsets: Array, corners: Array) -> tuple[Array, Array]:
         """Offsets and corners of the mesh's faces with the vertices that they get."""
         face, corner, vertex = (np.array([each[k] for each in self.splits], np.int64) for k in range(3))

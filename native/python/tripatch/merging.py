@@ -64,7 +64,8 @@ class HolesReport:
             return {**added, **each.report.as_dict()}
 
         borders = [loop.tolist() for loop in self.outer_borders]
-        return {"holes": [plain(each) for each in self.results], "outer_borders": borders}
+        joined = self.joined.as_dict() if self.joined else None
+        return {"holes": [plain(each) for each in self.results], "outer_borders": borders, "joined": joined}
 
     def __repr__(self) -> str:
         return f"<tripatch.HolesReport: {len(self.fills)} filled, {len(self.refusals)} refused>"

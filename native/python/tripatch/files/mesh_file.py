@@ -53,6 +53,7 @@ class MeshFile:
         self._added = 0  # vertices
         self._marks, self._number = False, 0  # whether fills are told apart, and how many there are
         self._about: list[dict[str, Any]] = []  # of each that was added
+        self._joined: Any = None
         self._hashes: dict[int, tuple[Any, str]] = {}
         self._split_faces: dict[int, list[int]] = {}
         self._face_of_edge: dict[tuple[int, int], int] = {}
@@ -70,6 +71,7 @@ class MeshFile:
         self.vertices[joined.moved[0]] = joined.moved[1]
         self.vertices.flags.writeable = False
         self._join(joined)
+        self._joined = joined
 
     def _join(self, joined: Any) -> None:
         for v, place in zip(*joined.moved):
@@ -161,11 +163,14 @@ class MeshFile:
 
     def evidence(self) -> dict[str, Any]:
         """What a report says of the fills that were added, and how to undo them where the file itself does not."""
+        said: dict[str, Any] = {"fills": self._about}
+        if self._joined:
+            said["joined"] = self._joined.as_dict()
         pieces = self._pieces()
         if pieces is None:
-            return {"fills": self._about}
+            return said
         old = b"".join(old for _, old in pieces)
-        return {"fills": self._about, "restore": {"sha256": evidence.sha256(old), "edits": evidence.edits(pieces)}}
+        return {**said, "restore": {"sha256": evidence.sha256(old), "edits": evidence.edits(pieces)}}
 
     def stripped(self) -> bytes:
         """The file as it was before its fills.
