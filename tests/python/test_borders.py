@@ -1,6 +1,7 @@
 """Borders that lie on other borders, islands in holes, and fills that pass through the mesh."""
 
 import json
+import re
 import types
 
 import numpy as np
@@ -88,7 +89,13 @@ def test_near_duplicate_borders_are_refused_by_name(apart, tmp_path, capsys):
 def test_join_joins_borders_within_a_distance(apart, tmp_path, capsys):
     out = tmp_path / "out.obj"
     code, text, _ = run(capsys, "fill", apart, out, "--all", "--join", 1e-3)
-    assert code == 0 and text.startswith("Filled 2 holes")
+    assert code == 0 and text.startswith("Joined borders: 24 vertices moved\nFilled 2 holes")
+
+
+def test_what_was_joined_is_said_in_numbers():
+    assert words.joined(1, 0) == "Joined borders: 1 vertex moved"
+    assert words.joined(0, 1) == "Joined borders: 1 vertex put into an edge"
+    assert words.joined(12, 3) == "Joined borders: 12 vertices moved, 3 vertices put into edges"
 
 
 def test_a_slit_between_t_junctions_is_refused_and_no_hole():
@@ -198,7 +205,7 @@ def test_a_fill_in_a_joined_file_leaves_no_gap(suffix, tmp_path, capsys):
     tripatch.write(tmp_path / f"in{suffix}", (vertices, left))
     code, text, _ = run(capsys, "fill", tmp_path / f"in{suffix}", tmp_path / f"out{suffix}", "--all", "--join", 1e-3)
     mesh = tripatch.read(tmp_path / f"out{suffix}")
-    assert code == 0 and text.startswith("Filled 1 hole") and open_edges(mesh.vertices, mesh.faces, []) == 0
+    assert code == 0 and "\nFilled 1 hole" in text and open_edges(mesh.vertices, mesh.faces, []) == 0
 
 
 @pytest.mark.parametrize("noise", [0, 2e-5])
@@ -215,7 +222,8 @@ def test_joined_files_have_no_slits(noise, suffix, tmp_path, capsys):
     for path in sorted(tmp_path.glob(f"*{suffix}")):
         out = tmp_path / f"out{suffix}"
         code, text, err = run(capsys, "fill", path, out, "--all", "--join", 1e-3)
-        assert (code, text, err) == (0, "Joined borders: the mesh has no border\n", "")
+        assert code == 0 and err == "" and text.endswith("\nNothing to fill: the mesh has no border\n")
+        assert re.match(r"Joined borders: (\d+ vertices moved, )?\d+ vertices put into edges\n", text)
         mesh = tripatch.read(out)
         assert open_edges(mesh.vertices, mesh.faces, []) == 0
         assert suffix != ".stl" or least_height(mesh.vertices, mesh.faces) > 1

@@ -209,13 +209,14 @@ def _write(args: argparse.Namespace, out: files.MeshFile) -> None:
         _say(f"{args.out} holds vertices and faces only; what else {args.input.suffix} files hold was left behind")
 
 
-def _copied(args: argparse.Namespace, out: files.MeshFile, left: Sequence[Any], joined: bool) -> int:
+def _copied(args: argparse.Namespace, out: files.MeshFile, left: Sequence[Any], joined: borders.Joined | None) -> int:
     """OUT is written without fills: the mesh has no hole."""
     _tell(args, [], left, out)
     _write(args, out)
     if not args.json and not args.quiet:
-        done = "Joined borders" if joined else "Nothing to fill"
-        print(f"{done}: {_left_open(args, left) or 'the mesh has no border'}")
+        if joined:
+            print(words.joined(len(joined.moved[0]), len(joined.splits)))
+        print(f"Nothing to fill: {_left_open(args, left) or 'the mesh has no border'}")
     return FILLED
 
 
@@ -243,7 +244,7 @@ def _fill(args: argparse.Namespace) -> int:
         if not found.rims and not (choosing.keys() - {"outer"} and tripatch.choose_holes(mesh.vertices, mesh.faces)):
             if found.joined:
                 out.join(found.joined)
-            return _copied(args, out, left, bool(found.joined))
+            return _copied(args, out, left, found.joined)
     if found and (args.all or (len(found.rims) == 1 and not found.is_plain)):
         results = filling.fill_all(mesh.vertices, mesh.faces, found, progress=_progress, **options)
         holes = list(zip(results.rims, results, strict=True))
@@ -288,6 +289,8 @@ def _fill(args: argparse.Namespace) -> int:
         rims = [(fill.vertices, fill.faces, fill.rim) for fill in fills]
         bends = [] if cage_rim or limit else creases.largest(mesh.vertices, mesh.faces, rims)
         bend = max((bend for bend in bends if bend is not None), default=float("inf"))
+        if found and found.joined:
+            print(words.joined(len(found.joined.moved[0]), len(found.joined.splits)))
         print(words.filled(reports, cage_rim=cage_rim, quads=len(faces), triangles=triangles, limit=limit, bend=bend))
         if left:
             print(_left_open(args, left))

@@ -137,6 +137,14 @@ def left_open(edges: Sequence[int], advice: str = "") -> str:
     return f"{said}; {advice} to fill {'it' if len(edges) == 1 else 'them'}" if advice else said
 
 
+def joined(moved: int, splits: int) -> str:
+    """'Joined borders: 12 vertices moved, 1 vertex put into an edge'."""
+    said = [f"{counted(moved, 'vertex')} moved"] * (moved > 0)
+    if splits:
+        said.append(f"{counted(splits, 'vertex')} put into {'an edge' if splits == 1 else 'edges'}")
+    return f"Joined borders: {', '.join(said)}"
+
+
 def place(where: Sequence[float]) -> str:
     """'(0.5, 1, 2.25)', to four digits."""
     return f"({', '.join(f'{x:.4g}' for x in where)})"
