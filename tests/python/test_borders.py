@@ -229,6 +229,14 @@ def test_joined_files_have_no_slits(noise, suffix, tmp_path, capsys):
         assert suffix != ".stl" or least_height(mesh.vertices, mesh.faces) > 1
 
 
+def test_a_format_that_cannot_be_joined_is_said_before_the_work(tmp_path, capsys, monkeypatch):
+    vertices, faces = box(2e-5)
+    tripatch.write(tmp_path / "in.glb", (vertices, faces[4:]))
+    monkeypatch.setattr(tripatch.filling, "fill_all", lambda *_, **__: pytest.fail("it was filled before"))
+    code, _, err = run(capsys, "fill", tmp_path / "in.glb", tmp_path / "out.glb", "--all", "--join", 1e-3)
+    assert code == 2 and "write another format, or leave out --faces cage and --join" in err
+
+
 def test_joining_an_stl_file_is_undone_by_its_report(tmp_path, capsys):
     path, out, back, report = (tmp_path / name for name in ("in.stl", "out.stl", "back.stl", "r.json"))
     tripatch.write(path, box(2e-5))

@@ -241,9 +241,9 @@ def _fill(args: argparse.Namespace) -> int:
     if args.all or not options.keys() & {"rim", "corners", "islands"}:
         found = borders.find(mesh.vertices, mesh.faces, **_gathering(args), **choosing)
         left = found.outer_borders
+        if found.joined:
+            out.join(found.joined)
         if not found.rims and not (choosing.keys() - {"outer"} and tripatch.choose_holes(mesh.vertices, mesh.faces)):
-            if found.joined:
-                out.join(found.joined)
             return _copied(args, out, left, found.joined)
     if found and (args.all or (len(found.rims) == 1 and not found.is_plain)):
         results = filling.fill_all(mesh.vertices, mesh.faces, found, progress=_progress, **options)
@@ -264,8 +264,6 @@ def _fill(args: argparse.Namespace) -> int:
     note = _unheard if args.quiet else _say
 
     fills: list[tripatch.Fill] = [result for _, result in holes if not isinstance(result, tripatch.Refusal)]
-    if found and found.joined and fills:
-        out.join(found.joined)
     out.append_all(fills)
     _tell(args, holes, left, out)
     if not fills:
