@@ -30,7 +30,7 @@ inline Refused refused(const CodedRefusal& refusal) { return {refusal.message(),
 /// work.
 using Progress = std::function<void(std::size_t done)>;
 /// One result for each rim, in order; a refusal of one does not stop the others. Cages whose surroundings overlap are fitted
-/// together. corners: of each rim (shorter: detected); options.replaced: the faces in all of them; options.center: of one rim only.
+/// together; fills of holes that share a vertex have one tangent plane there. corners: of each rim (shorter: detected); options.replaced: the faces in all of them; options.center: of one rim only.
 std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::vector<std::vector<Index>>& rims,
                                                   const FillOptions& options = {},
                                                   const std::vector<std::optional<std::vector<Index>>>& corners = {},

@@ -327,6 +327,7 @@ def fill_all(
     **options: Any,
 ) -> Fills:
     """Fills several holes of one mesh. The options are those of `fill`. Cages whose surroundings overlap are fitted together.
+    Fills of holes that share a vertex have one tangent plane there.
 
     Args:
         vertices: (n, 3) positions.

@@ -152,7 +152,8 @@ void mend_planes(ClosedSide& closed) {
   closed.side.r = closed_spline({closed.t.begin(), closed.t.end() - 1}, across);
 }
 
-ClosedSide closed_side(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, bool backwards) {
+ClosedSide closed_side(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, bool backwards,
+                       const VertexPlanes& planes) {
   ClosedSide out;
   Hole hole;
   hole.rim = rim;
@@ -170,6 +171,7 @@ ClosedSide closed_side(const Mesh& mesh, const Connectivity& around, const std::
   }
   std::vector<Vec3> across, bend;
   for (std::size_t k = 0; k < rim.size(); ++k) {
+    if (const auto known = planes.find(rim[k]); known != planes.end()) seen.normal[k] = known->second;
     across.push_back(out.side.c.derivative_at(seen.t[k]).cross(seen.normal[k]).normalized());
     bend.emplace_back(seen.bend[k] * seen.normal[k]);
   }

@@ -159,9 +159,17 @@ void fit_sides(std::vector<SideFitting>& sides, const Complete& complete) {
       });
 }
 
+/// Planes that are known before anything is estimated.
+void take_known(const LocalMesh& w, const VertexPlanes& planes, std::array<SideDraft, 3>& drafts) {
+  if (planes.empty()) return;
+  for (SideDraft& side : drafts)
+    for (std::size_t k = 0; k < side.vertex.size(); ++k)
+      if (const auto known = planes.find(w.vertex(side.vertex[k])); known != planes.end()) side.normal[k] = known->second;
+}
+
 }  // namespace
 
-MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& hole) {
+MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& hole, const VertexPlanes& planes) {
   const LocalMesh w = local_mesh(mesh, around, hole);
   std::array<SideDraft, 3> drafts = drafts_of(w, mesh, hole);
   Searches searches = {SideSearch(w, drafts, 0), SideSearch(w, drafts, 1), SideSearch(w, drafts, 2)};
@@ -192,10 +200,12 @@ MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& h
   }
   result.surroundings_error = error(variances, vertices);
   settle_corners(fits, hole.alone, drafts);
+  take_known(w, planes, drafts);
   result.sides = side_curves(drafts, w.scale, components.noise);
   for (int i = 0; i < 3; ++i) {
     result.sides[i].curvature_error = std::sqrt(fits[i].bend_variance) / w.scale;
     result.parameters[i] = drafts[i].t;
+    result.slope_variances[i] = std::move(fits[i].slope_variances);
   }
   return result;
 }

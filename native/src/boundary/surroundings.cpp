@@ -6,13 +6,13 @@
 namespace tripatch {
 
 Surroundings surroundings_of(const Mesh& mesh, const Connectivity& whole, const Connectivity& around, const Hole& hole,
-                             const Subdivision* limit) {
+                             const Subdivision* limit, const VertexPlanes& planes) {
   if (limit) {
     LimitSides exact = limit_sides(mesh, whole, around, hole, *limit);
     return {std::move(exact.sides), std::move(exact.parameters), std::move(exact.warnings), exact.surroundings_error,
             std::move(exact.border)};
   }
-  MeshSides estimated = mesh_sides(mesh, around, hole);
+  MeshSides estimated = mesh_sides(mesh, around, hole, planes);
   return {std::move(estimated.sides), std::move(estimated.parameters), {}, estimated.surroundings_error, {}};
 }
 

@@ -260,6 +260,10 @@ double sum_of_variances(const SideFit& fit) {
   return sum;
 }
 
+bool is_one_plane(double degrees, double deviations) {
+  return degrees <= never_one_plane && (degrees <= one_plane || deviations <= apart);
+}
+
 void settle_corners(const std::array<SideFit, 3>& fits, const std::array<bool, 3>& alone, std::array<SideDraft, 3>& drafts) {
   for (int corner = 0; corner < 3; ++corner) {
     const int in = (corner + 1) % 3, out = (corner + 2) % 3;
@@ -277,7 +281,7 @@ void settle_corners(const std::array<SideFit, 3>& fits, const std::array<bool, 3
     const Eigen::Vector2d x = across.transpose() * a.normal, y = across.transpose() * b.normal;
     const Eigen::Vector2d share = both.inverse() * (x - y);
     const double deviations = std::sqrt((x - y).dot(share));
-    if (degrees > one_plane && deviations > apart) continue;
+    if (!is_one_plane(degrees, deviations)) continue;
     const Vec3 n = (mean + across * (x - own * share)).normalized();
     drafts[in].normal.back() = n;
     drafts[out].normal.front() = n;

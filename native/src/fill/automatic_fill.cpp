@@ -290,8 +290,8 @@ Fill make_polygon(FillProblem& problem, bool laid_out) {
   const CorneredRim found = cornered(problem.ground, problem.rim, sides.corners);
   check_sides(problem.ground, found.rim, found.places);
   if (!wants_patch(problem)) problem.begin_spline();
-  Fill fill = unless_given_up(
-      problem, fill_with_polygon(problem.ground.mesh, problem.ground.left, found.rim, found.places, options, laid_out));
+  Fill fill = unless_given_up(problem, fill_with_polygon(problem.ground.mesh, problem.ground.left, found.rim, found.places,
+                                                         options, laid_out, problem.ground.planes));
   if (sides.corners.size() == 2 && is_beside_sharp(fill) && !wants_patch(problem))
     throw CodedRefusal(Code::two_sides_tell_less, problem.loop);
   return fill;
@@ -303,7 +303,7 @@ Fill make_disc(FillProblem& problem, const SideContinuity* continuity = nullptr)
   if (continuity) options.continuity = *continuity;
   check_counts(options, 1);
   check_positions(problem.ground.mesh, problem.ground.left, problem.loop);
-  PolygonFill made = fill_round(problem.ground.mesh, problem.ground.left, problem.loop, options, false);
+  PolygonFill made = fill_round(problem.ground.mesh, problem.ground.left, problem.loop, options, false, problem.ground.planes);
   problem.is_of_revolution = made.of_revolution;
   return unless_given_up(problem, std::move(made));
 }

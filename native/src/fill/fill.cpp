@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tripatch/annulus/annulus_patch.h"
+#include "tripatch/boundary/shared_planes.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/fill/any_rim_fill.h"
 #include "tripatch/fill/automatic_fill.h"
@@ -24,6 +25,7 @@
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
 #include "tripatch/messages.h"
+#include "tripatch/output/leaned.h"
 #include "tripatch/output/polygon_cover.h"
 #include "tripatch/output/shaped.h"
 #include "tripatch/patch/moved_surface.h"
@@ -124,10 +126,10 @@ std::optional<Fill> fill_with_many_sides(const Ground& ground, const std::option
   Fill fill;
   if (given.empty()) {
     check_positions(ground.mesh, ground.left, loop);
-    fill = std::move(fill_round(ground.mesh, ground.left, loop, options).fill);
+    fill = std::move(fill_round(ground.mesh, ground.left, loop, options, true, ground.planes).fill);
   } else {
     const CorneredRim found = cornered(ground, loop, given);
-    fill = std::move(fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options).fill);
+    fill = std::move(fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options, true, ground.planes).fill);
   }
   fill.report.method_reason =
       options.method == polygon_method ? "it was requested" : "a patch over a polygon meets the points inside";
@@ -175,14 +177,14 @@ Fill patch_as_asked(const Ground& ground, const Fill& chosen, FillOptions option
   Fill made;
   if (corners.empty()) {
     if (is_continuity_open(options) && chosen.report.continuity[0] == SeamContinuity::g1) options.continuity = SideContinuity::g1;
-    made = std::move(fill_round(ground.mesh, ground.left, chosen.rim, unshaped(options)).fill);
+    made = std::move(fill_round(ground.mesh, ground.left, chosen.rim, unshaped(options), true, ground.planes).fill);
     shape(ground.mesh, ground.left, {}, options, made);
   } else if (chosen.report.method != polygon_method) {
     made = fill_with_patch(ground, hole_of(ground, chosen.rim, corners), options);
   } else {
     options.cross_boundary = CrossBoundary::consistent;  // of three sides
     const CorneredRim found = cornered(ground, chosen.rim, corners);
-    made = std::move(fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options).fill);
+    made = std::move(fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options, true, ground.planes).fill);
   }
   made.report.method_reason = chosen.report.method_reason;
   if (flat && std::ranges::count(chosen.report.warnings, Code::flat_all_around, &Message::code) > 0)
@@ -283,6 +285,7 @@ void measure_gap(const Mesh& mesh, Fill& fill) {
 Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                     const FillOptions& options) {
   Fill fill = fill_as_asked(ground, rim, corners, options);
+  lean(ground.planes, fill);
   refuse_infinite(fill, fill.rim);
   Report& report = fill.report;
   if (report.triangles_folded > 0 && report.method != spline_method)
@@ -455,7 +458,8 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
       return fill_every_merged(mesh, merged, rims, options, corners, progress);
   std::optional<std::vector<Index>> only;
   if (rims.size() == 1) only = rims[0];
-  const Ground ground(mesh, only, options);
+  Ground ground(mesh, only, options);
+  if (options.surroundings == SurroundingsFrom::mesh) ground.planes = shared_planes(mesh, ground.left, rims);
   const auto report_progress = [&](std::size_t done) {
     if (progress) progress(done);
   };

@@ -256,7 +256,7 @@ std::vector<ReadTogether> read_together(Index n, const Beginning& begin, Index c
 }  // namespace
 
 MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                         const std::vector<Index>& corners, const std::vector<bool>& alone) {
+                         const std::vector<Index>& corners, const std::vector<bool>& alone, const VertexPlanes& planes) {
   const Index n = static_cast<Index>(corners.size()), edges = static_cast<Index>(rim.size());
   MeshPolygon out;
   out.sides.resize(n);
@@ -278,7 +278,7 @@ MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std
     hole.corners = {0, second, third};
     if (!alone.empty())
       hole.alone = {alone[(k + 1) % n], alone[n == 2 ? 1 - k : (k + 2) % n] || alone[(k + n - 1) % n], alone[k]};
-    MeshSides three = mesh_sides(mesh, around, hole);
+    MeshSides three = mesh_sides(mesh, around, hole, planes);
     for (const auto& [i, side] : together.sides) {
       const double vertices = static_cast<double>(three.parameters[i].size());
       squares += vertices * std::pow(three.side_error[i], 2);
@@ -412,12 +412,12 @@ PolygonPatch patch_of_three(const Sides& three, const SideTerms& terms, const Fi
 /// What surrounds a rim of three corners, in the order of polygons, and the patch.
 std::pair<MeshPolygon, PolygonPatch> read_three(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                                                 const std::vector<Index>& corners, const SideTerms& terms,
-                                                const FillOptions& options) {
+                                                const FillOptions& options, const VertexPlanes& planes) {
   Hole hole;
   hole.rim = rim;
   hole.corners = {corners[0], corners[1], corners[2]};
   hole.alone = {terms.alone[1], terms.alone[2], terms.alone[0]};
-  MeshSides sides = mesh_sides(mesh, around, hole);
+  MeshSides sides = mesh_sides(mesh, around, hole, planes);
   MeshPolygon known;
   known.surroundings_error = sides.surroundings_error;
   for (const int i : {2, 0, 1}) {
@@ -430,7 +430,8 @@ std::pair<MeshPolygon, PolygonPatch> read_three(const Mesh& mesh, const Connecti
 }  // namespace
 
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                              const std::vector<Index>& corners, const FillOptions& options, bool folded_too) {
+                              const std::vector<Index>& corners, const FillOptions& options, bool folded_too,
+                              const VertexPlanes& planes) {
   PolygonPatchOptions own = polygon_options(options);
   std::vector<double> angles = sharp_sides(mesh, around, rim, corners);
   SideTerms terms = terms_of_sides(BySide<SideContinuity>(from_first_corner(options.continuity.values())), angles);
@@ -439,9 +440,9 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
   MeshPolygon known;
   PolygonPatch made;
   if (corners.size() == 3) {
-    std::tie(known, made) = read_three(mesh, around, rim, corners, terms, options);
+    std::tie(known, made) = read_three(mesh, around, rim, corners, terms, options, planes);
   } else {
-    known = mesh_polygon(mesh, around, rim, corners, terms.alone);
+    known = mesh_polygon(mesh, around, rim, corners, terms.alone, planes);
     made = polygon_patch(known.sides, own);
   }
   PolygonFill result;
@@ -486,13 +487,13 @@ constexpr int most_waves = 48;
 }  // namespace
 
 PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options,
-                       bool folded_too) {
+                       bool folded_too, const VertexPlanes& planes) {
   const Index r = static_cast<Index>(rim.size());
   if (r < least_round) throw CodedRefusal(Code::round_rim_too_short, rim);
   const auto [first, backwards] = beginning_of_closed(mesh, around, rim);
   std::vector<Index> own = rim;
   std::rotate(own.begin(), own.begin() + first, own.end());
-  const ClosedSide known = closed_side(mesh, around, own, backwards);
+  const ClosedSide known = closed_side(mesh, around, own, backwards, planes);
   const double begin = known.t[(r - first) % r];  // of the rim as it is given
   const RoundPatch as_known = round_patch(known.side, polygon_options(options), static_cast<int>(std::min<Index>(r, most_waves)));
   const RoundPatch made = begun_at(as_known, begin);

@@ -123,8 +123,9 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
   std::copy(terms.alone.begin(), terms.alone.end(), hole.alone.begin());
   FillOptions own = options;
   own.continuity = BySide<SideContinuity>(std::move(terms.continuity));
-  const Surroundings surroundings = surroundings_of(
-      mesh, ground.whole(), ground.left, hole, options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr);
+  const Surroundings surroundings =
+      surroundings_of(mesh, ground.whole(), ground.left, hole,
+                      options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr, ground.planes);
 
   MadePatch made = patch_without_folds(surroundings.sides, own);
   if (made.report.folds > 0 && may_follow_points(options))

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ranges>
 
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/linear.h"
@@ -127,7 +128,11 @@ MetPoints::MetPoints(const Surface& surface, const PlanePoints& rim, const Plane
                      const std::vector<Through>& points, const Points& planes)
     : met_(places.rows()) {
   std::vector<Index> of_rim, held;
-  for (Index k = 0; k < rim.rows(); k += (rim.rows() + most_of_rim - 1) / most_of_rim) of_rim.push_back(k);
+  const Index step = (rim.rows() + most_of_rim - 1) / most_of_rim;
+  const auto asks = [&](Index k) { return !planes.row(k).isZero(0); };
+  const bool some = std::ranges::any_of(std::views::iota(Index{0}, planes.rows()), [&](Index k) { return !asks(k); });
+  for (Index k = 0; k < rim.rows(); ++k)
+    if (k % step == 0 || (some && asks(k))) of_rim.push_back(k);
   const PlanePoints kept = rim(of_rim, Eigen::all);
   const Index n = kept.rows();
   middle_ = kept.colwise().mean();

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tripatch/boundary/side.h"
+#include "tripatch/boundary/vertex_planes.h"
 #include "tripatch/math/beginning.h"
 #include "tripatch/mesh/connectivity.h"
 
@@ -16,7 +17,8 @@ struct ClosedSide {
 };
 
 /// rim: in the direction of new faces. backwards: whether what is read together is that of the same rim seen in a mirror.
-ClosedSide closed_side(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, bool backwards);
+ClosedSide closed_side(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, bool backwards,
+                       const VertexPlanes& planes = {});
 
 /// Replaces planes at single vertices that are far off what their neighbors tell.
 void mend_planes(ClosedSide& closed);

@@ -7,6 +7,7 @@
 
 #include "tripatch/boundary/limit_surface.h"
 #include "tripatch/boundary/side.h"
+#include "tripatch/boundary/vertex_planes.h"
 #include "tripatch/hole/hole.h"
 #include "tripatch/messages.h"
 
@@ -20,10 +21,10 @@ struct Surroundings {
   Points border;     ///< points that the fill takes instead of the rim's own vertices; empty: those are reused
 };
 
-/// limit: the settings of the cage whose limit surface surrounds the hole; none: an estimate from the mesh. whole: of the mesh; around:
+/// limit: the settings of the cage whose limit surface surrounds the hole; none: an estimate from the mesh, in the planes where these are known. whole: of the mesh; around:
 /// without the faces that are replaced. Takes time by the hole, not by the mesh.
 Surroundings surroundings_of(const Mesh& mesh, const Connectivity& whole, const Connectivity& around, const Hole& hole,
-                             const Subdivision* limit);
+                             const Subdivision* limit, const VertexPlanes& planes = {});
 
 /// Barycentric coordinates of the rim's own vertices, from corner 0 on: a border has several points an edge.
 Points rim_barycentric(const Hole& hole, const Surroundings& surroundings);

@@ -15,6 +15,9 @@ void take_flat_corners(const LocalMesh& w, std::array<SideFit, 3>& fits, const s
 /// Of all vertices of a side together.
 double sum_of_variances(const SideFit& fit);
 
+/// Whether two estimates of a plane are of the same one. deviations: how many standard deviations they are apart.
+bool is_one_plane(double degrees, double deviations);
+
 /// Corners: one plane, the average weighted by information, unless the two are far apart, also by what they know of themselves (a
 /// cube), or one of the sides is not continued.
 void settle_corners(const std::array<SideFit, 3>& fits, const std::array<bool, 3>& alone, std::array<SideDraft, 3>& drafts);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "tripatch/boundary/vertex_planes.h"
 #include "tripatch/hole/hole.h"
 #include "tripatch/mesh/connectivity.h"
 #include "tripatch/options.h"
@@ -22,7 +23,8 @@ public:
   bool is_part() const { return is_part_; }
 
   const Mesh& mesh;
-  Connectivity left;  ///< without the faces that are replaced
+  Connectivity left;    ///< without the faces that are replaced
+  VertexPlanes planes;  ///< that fills have at vertices of their rims, whatever the faces around tell
 
 private:
   std::optional<Connectivity> all_;

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "tripatch/boundary/vertex_planes.h"
 #include "tripatch/mesh/connectivity.h"
 #include "tripatch/options.h"
 #include "tripatch/output/fill_result.h"
@@ -24,7 +25,7 @@ struct MeshPolygon {
 /// rim: from corner 0 on, in the direction of new faces; corners: places in it, increasing, the first 0, two or more. alone: by side, or
 /// none: as of Hole. Takes time by the hole.
 MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                         const std::vector<Index>& corners, const std::vector<bool>& alone = {});
+                         const std::vector<Index>& corners, const std::vector<bool>& alone = {}, const VertexPlanes& planes = {});
 
 /// What of the options concerns layouts of quads.
 LayoutOptions layout_options(const FillOptions& options);
@@ -57,12 +58,13 @@ struct PolygonFill {
 };
 /// folded_too: else a patch that folds has no faces, which take most of the time.
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                              const std::vector<Index>& corners, const FillOptions& options, bool folded_too = true);
+                              const std::vector<Index>& corners, const FillOptions& options, bool folded_too = true,
+                              const VertexPlanes& planes = {});
 
 /// A round rim has at least so many edges.
 constexpr Index least_round = 6;
 /// The patch over a disc whose rim has no corners. rim: in the direction of new faces, least_round edges or more. folded_too: as above.
 PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options,
-                       bool folded_too = true);
+                       bool folded_too = true, const VertexPlanes& planes = {});
 
 }  // namespace tripatch

@@ -21,8 +21,8 @@ PlanePoints nearest_places(const Surface& surface, const PlanePoints& uv, const 
 class MetPoints final : public Surface {
 public:
   /// Nothing along the rim (places of its vertices), nor its derivatives; at places (a row for each point) what `surface` lacks to go
-  /// through the points, with their normals. planes: normals at the rim's vertices, which the surface shall have there; no rows: those
-  /// that it has. Throws a Refusal where two points have one place.
+  /// through the points, with their normals. planes: normals at the rim's vertices, which the surface shall have there; zero, or no
+  /// rows: those that it has. Throws a Refusal where two points have one place.
   MetPoints(const Surface& surface, const PlanePoints& rim, const PlanePoints& places, const std::vector<Through>& points,
             const Points& planes = Points(0, 3));
 
