@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 FAULTS = Path(__file__).parent / "faults"
-#: Of the first 2,000 requests of a fill, one in so many fails; 1 takes a minute.
-STEP = int(os.environ.get("TRIPATCH_FAULT_STEP", "40"))
+#: Of all requests of a fill, one in so many fails; 1 takes a minute.
+STEP = int(os.environ.get("TRIPATCH_FAULT_STEP", "8"))
 
 pytestmark = pytest.mark.skipif(
     not sys.platform.startswith("linux") or not hasattr(os, "confstr") or not shutil.which("cc"),
@@ -24,8 +24,8 @@ def test_each_allocation_may_fail(tmp_path):
     subprocess.run(["cc", "-O1", "-shared", "-fPIC", FAULTS / "allocations.c", "-o", library], check=True)
     paths = [str(Path(__file__).parent), *filter(None, sys.path)]
     environment = {**os.environ, "LD_PRELOAD": str(library), "PYTHONPATH": os.pathsep.join(paths), "TRIPATCH_THREADS": "1"}
-    command = [sys.executable, FAULTS / "fill_without_memory.py", "0", "2000", str(STEP)]
+    command = [sys.executable, FAULTS / "fill_without_memory.py", str(STEP)]
     said = json.loads(subprocess.run(command, env=environment, stdout=subprocess.PIPE, check=True).stdout)
-    # NumPy raises a SystemError in one place, and some requests are none that a fill depends on
-    assert set(said["outcomes"]) <= {"MemoryError", "SystemError", "filled"}, said
+    # NumPy raises a SystemError in one place and pybind11 a TypeError, and some requests are none that a fill depends on
+    assert set(said["outcomes"]) <= {"MemoryError", "SystemError", "TypeError", "filled"}, said
     assert said["outcomes"]["MemoryError"] > 0.8 * sum(said["outcomes"].values()), said

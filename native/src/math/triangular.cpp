@@ -8,11 +8,11 @@ namespace tripatch {
 void solve_lower_triangular(const Eigen::MatrixXd& a, RowMajor& b) {
   constexpr Index four = 4;
   const Index n = a.rows(), columns = b.cols();
-  RowMajor rows, taken(four, columns);
+  RowMajor taken(four, columns);
   for (Index from = 0; from < n; from += four) {
     const Index own = std::min(four, n - from);
     if (from > 0) {
-      rows.setZero(four, from);
+      RowMajor rows = RowMajor::Zero(four, from);  // a new one: resize() frees, and frees again where there is no memory then
       rows.topRows(own) = a.block(from, 0, own, from);
       multiply_four(rows.data(), from, b.data(), columns, taken.data(), columns);
       b.middleRows(from, own) -= taken.topRows(own);

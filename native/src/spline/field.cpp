@@ -90,7 +90,7 @@ struct Contrasts {
   MatrixXd of(const MatrixXd& samples) const { return samples - basis * (basis.transpose() * samples); }
   /// The lower Cholesky factor of what is among contrasts with noise; false where it is not definite.
   bool factor(double nugget, MatrixXd& lower) const {
-    lower = inner;
+    lower = MatrixXd(inner);  // its own memory first: where there is none, lower must not be left without
     lower.diagonal().array() += nugget;
     return factor_cholesky(lower);
   }
