@@ -160,3 +160,26 @@ def test_an_island_in_a_hole_of_a_dome_is_filled_around():
     off = fill.vertices[:, 2] - 1 + 0.25 * (fill.vertices[:, :2] ** 2).sum(axis=1)
     assert abs(off).max() < 0.01
     assert np.hypot(*fill.vertices[:, :2].T).min() > 0.3
+
+
+def dome_with_island(n=32, half=1.6):
+    """A dome of squares with a wide ragged hole and a ragged disc in the middle of it."""
+    at = np.linspace(-half, half, n + 1)
+    x, y = (each.ravel() for each in np.meshgrid(at, at, indexing="ij"))
+    v = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    quads = np.stack([v[:-1, :-1], v[1:, :-1], v[1:, 1:], v[:-1, 1:]], axis=-1).reshape(-1, 4)
+    vertices = np.column_stack([x, y, 1 - 0.25 * (x * x + y * y)])
+    radius = np.linalg.norm(vertices[quads].mean(axis=1)[:, :2], axis=1)
+    faces = quads[(radius < 0.35) | (radius > 0.95)].tolist()
+    outer, hole, island = sorted(tripatch.find_holes(faces), key=len, reverse=True)
+    return vertices, faces, hole, island
+
+
+def test_ragged_boundaries_are_joined_by_quads_on_the_surface_around_them():
+    vertices, faces, hole, island = dome_with_island()
+    fill = tripatch.fill(vertices, faces, rim=hole, islands=[island], output="quads")
+    assert sum(len(face) == 3 for face in fill.faces) <= 0.05 * len(fill.faces)
+    assert fill.report.triangles_folded == 0
+    x, y, z = fill.vertices.T
+    assert abs(z - 1 + 0.25 * (x * x + y * y)).max() < 1e-3
+    check_closed(vertices, faces, fill, 4 * 32)

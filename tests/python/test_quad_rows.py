@@ -248,3 +248,33 @@ def test_rows_with_a_vertex_beyond_all_measure_are_left_to_other_methods(far, ro
     except tripatch.Refusal:
         return
     assert np.isfinite(fill.vertices).all() and np.isfinite(fill.normals).all() and np.isfinite(fill.rim_normals).all()
+
+
+def test_quads_at_a_pole_are_as_even_as_those_around():
+    """The corner of a cube of 8 x 8 x 6 squares on the unit sphere, 24 of them gone."""
+    n = 8
+    at = np.linspace(-1, 1, n + 1)
+    points, quads = [], []
+    for axis in range(3):
+        for sign in (-1, 1):
+            u, v = (each.ravel() for each in np.meshgrid(at, at, indexing="ij"))
+            face = np.insert(np.column_stack([u, v]), axis, sign, axis=1)
+            k = np.arange((n + 1) ** 2).reshape(n + 1, n + 1) + len(points) * (n + 1) ** 2
+            q = np.stack([k[:-1, :-1], k[1:, :-1], k[1:, 1:], k[:-1, 1:]], axis=-1).reshape(-1, 4)
+            points.append(face)
+            quads.append(q if (sign > 0) == (axis != 1) else q[:, ::-1])
+    cube, number = np.unique(np.round(np.concatenate(points), 9), axis=0, return_inverse=True)
+    vertices = cube / np.linalg.norm(cube, axis=1)[:, None]
+    quads = number.ravel()[np.concatenate(quads)]
+    corner = np.array([1, -1, 1]) / np.sqrt(3)
+    gone = np.linalg.norm(vertices[quads].mean(axis=1) - corner, axis=1) < 0.45
+    faces = quads[~gone].tolist()
+    (rim,) = tripatch.find_holes(faces)
+    fill = tripatch.fill(vertices, faces, rim=rim, output="quads")
+
+    def areas(points, faces):
+        p = points[np.asarray(faces)]
+        return np.sort(np.linalg.norm(np.cross(p[:, 2] - p[:, 0], p[:, 3] - p[:, 1]), axis=1) / 2)
+
+    new = areas(np.vstack([vertices, fill.vertices]), fill.faces)
+    np.testing.assert_allclose(new, areas(vertices, quads[gone]), rtol=0.2)

@@ -1,6 +1,7 @@
 #include "tripatch/fill/any_rim_fill.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <tuple>
 
@@ -12,9 +13,12 @@
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
+#include "tripatch/math/linear.h"
 #include "tripatch/messages.h"
+#include "tripatch/output/polygon_cover.h"
 #include "tripatch/output/shaped.h"
 #include "tripatch/polygon/domain.h"
+#include "tripatch/quads/quad_smoothing.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
@@ -170,38 +174,54 @@ Fill fill_ring(const Ground& ground, const std::vector<Index>& rim, const FillOp
 namespace {
 
 /// Newton's steps from the nearest vertex of a fill to the foot of a point on its surface: they settle within five.
-constexpr int most_foot_steps = 10;
+constexpr int foot_steps = 5;
 
-/// The faces of a ring on the surface of another fill between the same boundaries; nothing where they do worse there.
-std::optional<Fill> ring_on_surface(const Ground& ground, const std::vector<std::vector<Index>>& loops, const Fill& ring,
-                                    Fill fill) {
-  if (!fill.patch || fill.vertices.rows() == 0 || fill.rim != ring.rim) return {};
-  const Index count = ring.vertices.rows();
-  PlanePoints uv(count, 2);
-  Eigen::VectorXd deviation(fill.deviation.size() > 0 ? count : 0);
-  for (Index k = 0; k < count; ++k) {
-    Index nearest = 0;
-    (fill.vertices.rowwise() - ring.vertices.row(k)).rowwise().squaredNorm().minCoeff(&nearest);
-    Vec2 place = fill.uv.row(nearest);
-    for (int step = 0; step < most_foot_steps; ++step) {
-      const Foot foot = foot_at(*fill.patch, place, ring.vertices.row(k));
-      if (!foot.step.allFinite()) return {};
-      place += foot.step;
-    }
-    uv.row(k) = place;
-    if (deviation.size() > 0) deviation[k] = fill.deviation[nearest];
-  }
+/// The quads of another fill between the same boundaries in the plane of a fill; places inside are not set.
+PlaneLayout layout_in_plane(const Ground& ground, const Fill& other, const Fill& fill) {
+  const Index n = ground.mesh.vertices.rows(), r = fill.rim_uv.rows();
+  std::map<Index, Index> row;
+  for (Index k = 0; k < r; ++k) row[fill.rim[static_cast<std::size_t>(k)]] = k;
+  PlaneLayout layout;
+  layout.rim = r;
+  layout.uv = stacked(fill.rim_uv, PlanePoints(PlanePoints::Zero(other.vertices.rows(), 2)));
+  layout.faces = other.faces;
+  for (Index& v : layout.faces.corners) v = v < n ? row.at(v) : r + v - n;
+  return layout;
+}
+
+/// A fill with the quads of another one as they are laid out in its plane; nothing where they do worse there than its own.
+std::optional<Fill> with_faces_of(const Ground& ground, const std::vector<std::vector<Index>>& loops, const Fill& other,
+                                  const PlaneLayout& layout, double least, Fill fill) {
+  PlanePoints uv = layout.uv.bottomRows(other.vertices.rows());
   const auto before = harm(fill.report);
+  Eigen::VectorXd deviation(fill.deviation.size() > 0 ? uv.rows() : 0);
+  for (Index k = 0; k < deviation.size(); ++k) {
+    Index nearest = 0;
+    (fill.uv.rowwise() - uv.row(k)).rowwise().squaredNorm().minCoeff(&nearest);
+    deviation[k] = fill.deviation[nearest];
+  }
   fill.uv = std::move(uv);
   fill.deviation = std::move(deviation);
   std::tie(fill.vertices, fill.normals) = fill.patch->positions_and_normals(as_rows(fill.uv));
   if (!is_finite(fill)) return {};
-  fill.faces = ring.faces;
-  fill.report.rows = ring.report.rows;
-  fill.report.poles = ring.report.poles;
+  const Points points = stacked(Points(ground.mesh.vertices(fill.rim, Eigen::all)), fill.vertices);
+  if (!(quad_quality(points, layout.faces).least > least)) return {};
+  fill.faces = other.faces;
+  fill.report.rows = other.report.rows;
+  fill.report.poles = other.report.poles;
   measure_faces(ground.mesh, fill.vertices, fill.faces, faces_beyond(ground.mesh, ground.left, loops), fill.report);
   if (harm(fill.report) > before) return {};
   return fill;
+}
+
+/// The faces of a ring on the surface of another fill between the same boundaries.
+std::optional<Fill> ring_on_surface(const Ground& ground, const std::vector<std::vector<Index>>& loops, const Fill& ring,
+                                    const Fill& fill) {
+  if (!fill.patch || fill.uv.rows() == 0) return {};
+  PlaneLayout layout = layout_in_plane(ground, ring, fill);
+  embed(layout);
+  smoothed_on(layout, *fill.patch, ground.mesh.vertices(fill.rim, Eigen::all));
+  return with_faces_of(ground, loops, ring, layout, 0, fill);
 }
 
 }  // namespace
@@ -229,13 +249,30 @@ Fill fill_around_islands(const Ground& ground, const std::vector<Index>& rim, co
     return std::move(*ring);
   if (options.islands.size() > 1 && (!spline->patch || !is_harmless(spline->report)))
     throw CodedRefusal(Code::boundaries_not_joined, {{"count", options.islands.size() + 1}}, rim);
-  if (ring && options.output == Output::quads && is_harmless(ring->report)) {
+  if (ring && options.output == Output::quads) {
     const auto island = ring->rim.end() - static_cast<std::ptrdiff_t>(options.islands[0].size());
     if (std::optional<Fill> rows =
             ring_on_surface(ground, {{ring->rim.begin(), island}, {island, ring->rim.end()}}, *ring, *spline))
       return std::move(*rows);
   }
   return std::move(*spline);
+}
+
+std::optional<Fill> rows_on_surface(const Ground& ground, const Fill& rows, const Fill& fill) {
+  if (!fill.patch || fill.uv.rows() == 0 || !fill.feature_edges.empty()) return {};
+  PlaneLayout layout = layout_in_plane(ground, rows, fill);
+  for (Index k = 0; k < rows.vertices.rows(); ++k) {
+    Index nearest = 0;
+    (fill.vertices.rowwise() - rows.vertices.row(k)).rowwise().squaredNorm().minCoeff(&nearest);
+    Vec2 place = fill.uv.row(nearest);
+    for (int step = 0; step < foot_steps; ++step) {
+      const Foot foot = foot_at(*fill.patch, place, rows.vertices.row(k));
+      if (!foot.step.allFinite()) return {};
+      place += foot.step;
+    }
+    layout.uv.row(layout.rim + k) = place;
+  }
+  return with_faces_of(ground, {fill.rim}, rows, layout, least_sine, fill);
 }
 
 Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options) {

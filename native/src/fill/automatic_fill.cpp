@@ -376,6 +376,9 @@ std::string skip_spline(FillProblem& problem, const TriedFills& tried) {
 
 Fill make_spline(FillProblem& problem, const TriedFills& tried) {
   Fill fill = problem.spline();
+  const std::optional<Fill>& rows = tried.front().fill;  // even quads, whatever their heights
+  if (rows && problem.options.output == Output::quads)
+    if (std::optional<Fill> even = rows_on_surface(problem.ground, *rows, fill)) fill = std::move(*even);
   fill.report.method_reason = why_spline(problem, tried);
   return fill;
 }

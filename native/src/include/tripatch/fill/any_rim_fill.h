@@ -1,6 +1,7 @@
 // The path of any rim: the surface over a plane, as the options ask for it.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "tripatch/fill/ground.h"
@@ -26,6 +27,10 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
 Fill fill_ring(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options, const std::string& reason);
 /// A hole with islands: a ring where there is one island, unless the surroundings as a whole tell of another surface.
 Fill fill_around_islands(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options);
+
+/// The quads of rows on the surface of another fill of the same hole: its vertices nearest to theirs. Nothing where these are no good quads, or
+/// the fill has creases.
+std::optional<Fill> rows_on_surface(const Ground& ground, const Fill& rows, const Fill& fill);
 
 /// In the plane of a flat rim.
 Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options);
