@@ -175,3 +175,29 @@ def test_where_no_rows_go_on_something_else_is_made():
     for made_of, options in ((cut, {}), (faces, {"through": [vertices[rim].mean(axis=0) * 1.1]})):
         fill = tripatch.fill(vertices, made_of, rim=rim, output="quads", **options)
         assert fill.report.method != "quad_rows", options
+
+
+def test_four_corners_of_a_ragged_rim_get_a_grid():
+    """Sides that zigzag, among triangles: no patch lies between them, and no rows go on."""
+    n = 16
+    at = np.linspace(-1, 1, n + 1)
+    x, y = (each.ravel() for each in np.meshgrid(at, at, indexing="ij"))
+    v = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    quads = np.stack([v[:-1, :-1], v[1:, :-1], v[1:, 1:], v[:-1, 1:]], axis=-1)
+    gone = np.zeros((n, n), bool)
+    gone[4:12, 4:12] = True
+    faces = [t for q in quads[~gone] for t in ([q[0], q[1], q[2]], [q[0], q[2], q[3]])]
+    ragged = 0.6 * 2 / n * (-1.0) ** np.arange(5, 12)
+    y[v[5:12, 4]] -= ragged
+    y[v[5:12, 12]] += ragged
+    x[v[4, 5:12]] -= ragged
+    x[v[12, 5:12]] += ragged
+    vertices = np.column_stack([x, y, 0.3 * x * x - 0.2 * y * y])
+    (rim,) = [loop for loop in tripatch.find_holes(faces) if len(loop) != 4 * n]
+    corners = [int(v[i, j]) for i, j in ((4, 4), (12, 4), (12, 12), (4, 12))]
+    fill = tripatch.fill(vertices, faces, rim=rim, corners=corners, output="quads")
+    assert {len(face) for face in fill.faces} == {4}
+    assert len(fill.faces) == 8 * 8
+    count = np.bincount(np.concatenate(fill.faces), minlength=len(vertices) + len(fill.vertices))
+    assert (count[len(vertices) :] == 4).all()
+    assert (count[corners] == 1).all()

@@ -144,6 +144,7 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
       if (std::find(loop.begin(), loop.end(), v) == loop.end()) throw CodedRefusal(Code::corner_not_on_rim, {v});
     if (at.size() != corners->size()) throw InvalidArgument("A corner is given twice");
   }
+  own.corners = places_in(loop, at);
   const Connectivity& around = all ? *all : ground.left;
   const bool looks_for_sharp = islands.empty() && (!corners || !corners->empty()) && is_continuity_open(options);
   Fill fill = looks_for_sharp ? fill_beside_sharp_sides(ground, around, loop, at, own)

@@ -190,11 +190,10 @@ Index most_turned(const PlanePoints& rim) {
   return best;
 }
 
-/// A disc of quads with four poles of valence 3, in the plane of a fill.
-std::optional<PlaneLayout> disc_of_quads(const PlaneFill& made, int rows) {
-  const Index r = made.rim_uv.rows(), first = most_turned(made.rim_uv);
-  std::optional<PlaneLayout> layout = disc_layout(r, {}, rows);
+/// A layout of a circle or a square, brought into the plane of a fill. first: row of the rim with which the layout begins.
+std::optional<PlaneLayout> brought_into_plane(const PlaneFill& made, std::optional<PlaneLayout> layout, Index first) {
   if (!layout) return {};
+  const Index r = made.rim_uv.rows();
   PlanePoints rim_at(r, 2);
   for (Index k = 0; k < r; ++k) rim_at.row((k + first) % r) = layout->uv.row(k);
   const Index inside = layout->uv.rows() - r;
@@ -207,13 +206,15 @@ std::optional<PlaneLayout> disc_of_quads(const PlaneFill& made, int rows) {
   return layout;
 }
 
-/// Kinds of quads that are tried, one after the other: what grows in from the rim as the faces around have it, or as the angles there do;
-/// else a disc with four poles, of any quality while nothing is turned over.
-enum class QuadsIn { as_faces, as_angles, disc };
+/// Kinds of quads that are tried, one after the other: a grid between four corners; what grows in from the rim as the faces around have it, or
+/// as the angles there do; else a disc with four poles. Grid and disc may have any quality while nothing is turned over.
+enum class QuadsIn { grid, as_faces, as_angles, disc };
 
-std::optional<PlaneLayout> layout_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, QuadsIn which,
-                                     int rows, const PlaneFill& made) {
-  if (which == QuadsIn::disc) return disc_of_quads(made, rows);
+std::optional<PlaneLayout> layout_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                                     const std::vector<Index>& corners, QuadsIn which, int rows, const PlaneFill& made) {
+  const Index edges = made.rim_uv.rows();
+  if (which == QuadsIn::grid) return brought_into_plane(made, square_layout(edges, corners, rows), 0);
+  if (which == QuadsIn::disc) return brought_into_plane(made, disc_layout(edges, rows), most_turned(made.rim_uv));
   const WantedQuads wanted = which == QuadsIn::as_faces ? WantedQuads::by_number : WantedQuads::by_angle;
   std::optional<PlaneLayout> layout = grown_quads(made.rim_uv, wanted_quads(mesh.vertices, around, rim, wanted));
   if (layout && rows > 0) layout = with_rows(*layout, rows);
@@ -221,12 +222,12 @@ std::optional<PlaneLayout> layout_of(const Mesh& mesh, const Connectivity& aroun
 }
 
 /// The same fill with quads; empty where they are not good.
-std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, QuadsIn which,
-                                    int rows, PlaneFill& made) {
-  std::optional<PlaneLayout> layout = layout_of(mesh, around, rim, which, rows, made);
+std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                                    const std::vector<Index>& corners, QuadsIn which, int rows, PlaneFill& made) {
+  std::optional<PlaneLayout> layout = layout_of(mesh, around, rim, corners, which, rows, made);
   if (!layout || doubles_edges(around, rim, layout->faces)) return {};
   const Points border = mesh.vertices(rim, Eigen::all), points = smoothed_on(*layout, *made.surface, border);
-  const double wanted = which == QuadsIn::disc ? 0 : least_sine;
+  const double wanted = which == QuadsIn::grid || which == QuadsIn::disc ? 0 : least_sine;
   if (!points.allFinite() || !(quad_quality(points, layout->faces).least >= wanted)) return {};
   const Index added = points.rows() - layout->rim;
   Faces cut = layout->faces;
@@ -248,12 +249,12 @@ std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around
 }
 
 /// The same with `rows` extra rows, or half as many and so on where these do not fit; says how many there are.
-std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, int& rows,
-                                    PlaneFill& made) {
+std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                                    const std::vector<Index>& corners, int& rows, PlaneFill& made) {
   if (!made.field) return {};
   for (;; rows /= 2) {
-    for (const QuadsIn which : {QuadsIn::as_faces, QuadsIn::as_angles, QuadsIn::disc})
-      if (std::optional<PlaneLayout> layout = quads_of(mesh, around, rim, which, rows, made)) return layout;
+    for (const QuadsIn which : {QuadsIn::grid, QuadsIn::as_faces, QuadsIn::as_angles, QuadsIn::disc})
+      if (std::optional<PlaneLayout> layout = quads_of(mesh, around, rim, corners, which, rows, made)) return layout;
     if (rows == 0) return {};
   }
 }
@@ -273,7 +274,8 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
 
   std::optional<PlaneLayout> quads;
   int rows = options.resolution.value_or(0);
-  if (options.quads && !creased && loops.size() == 1 && options.through.empty()) quads = quads_of(mesh, around, rim, rows, made);
+  if (options.quads && !creased && loops.size() == 1 && options.through.empty())
+    quads = quads_of(mesh, around, rim, options.corners, rows, made);
   if (!creased && !quads) halve_doubled(mesh, around, fill.rim, made);
   const Index r = static_cast<Index>(fill.rim.size()), n = mesh.vertices.rows();
   const auto mesh_index = [&](Index row) { return row < r ? fill.rim[row] : n + row - r; };
@@ -362,6 +364,9 @@ SplineFillOptions in_part(const CanonicalPart& part, const SplineFillOptions& op
   SplineFillOptions own = options;
   own.continued = nullptr;
   if (options.planes.rows() > 0) own.planes = options.planes(part.row, Eigen::all);
+  own.corners.clear();
+  for (std::size_t k = 0; k < part.row.size(); ++k)
+    if (std::ranges::count(options.corners, part.row[k]) > 0) own.corners.push_back(static_cast<Index>(k));
   if (!part.mirrored) return own;
   mirror(own.planes);
   for (Through& met : own.through) {

@@ -165,15 +165,30 @@ Points smoothed_on(PlaneLayout& layout, const Surface& patch, const Points& bord
   return best;
 }
 
-std::optional<PlaneLayout> disc_layout(Index edges, const std::vector<RimCorner>& corners, int rows) {
+std::optional<PlaneLayout> disc_layout(Index edges, int rows) {
   PlanePoints rim(edges, 2);
   for (Index k = 0; k < edges; ++k) {
     const double turn = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(edges);
     rim.row(k) << std::cos(turn), std::sin(turn);
   }
-  if (edges % 2 == 0) return polygon_layout(rim, corners, rows);
-  if (!corners.empty()) return {};
-  return without_middle(polygon_layout(with_middle(rim, edges - 1), corners, rows), edges);
+  if (edges % 2 == 0) return polygon_layout(rim, {}, rows);
+  return without_middle(polygon_layout(with_middle(rim, edges - 1), {}, rows), edges);
+}
+
+std::optional<PlaneLayout> square_layout(Index edges, const std::vector<Index>& corners, int rows) {
+  if (corners.size() != 4 || corners[2] - corners[0] != edges - (corners[2] - corners[0]) ||
+      corners[1] - corners[0] != corners[3] - corners[2])
+    return {};
+  PlanePoints rim(edges, 2);
+  std::vector<RimCorner> square;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::array<Vec2, 5> at = {{{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 0}}};
+    const Index next = i < 3 ? corners[i + 1] : corners[0] + edges, count = next - corners[i];
+    for (Index k = 0; k < count; ++k)
+      rim.row((corners[i] + k) % edges) = at[i] + (at[i + 1] - at[i]) * (static_cast<double>(k) / static_cast<double>(count));
+    square.push_back({corners[i], 1});
+  }
+  return polygon_layout(rim, square, rows);
 }
 
 PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& points, std::vector<RimCorner> corners,

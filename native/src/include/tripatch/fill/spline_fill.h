@@ -19,6 +19,8 @@ struct SplineFillOptions {
   const Connectivity* continued = nullptr;
   std::vector<Through> through = {};  ///< met exactly inside
   Points planes = Points(0, 3);       ///< normals at the rim's vertices that the fill has there; no rows: what is continued tells
+  /// Rows of the rim, in its order. Quads are a grid between four with as many edges on opposite sides.
+  std::vector<Index> corners = {};
 };
 
 /// The hole of a rim that check_topology and check_positions let pass, with the islands in it (further border loops). `around` knows

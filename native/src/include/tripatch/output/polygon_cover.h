@@ -31,9 +31,11 @@ struct PlaneCover {
 PlaneCover cover_polygon_with_quads(const PlanePoints& rim, const Points& points, std::vector<RimCorner> corners,
                                     const Surface& patch, const LayoutOptions& options, const std::vector<Vec2>& met = {});
 
-/// A layout in the unit circle, the rim's vertices evenly around it from (1, 0) on: without corners rows along the rim, and within them a grid whose
-/// four corners are poles of valence 3. An odd rim leaves one triangle; none where it has corners, or no such layout.
-std::optional<PlaneLayout> disc_layout(Index edges, const std::vector<RimCorner>& corners, int rows);
+/// A layout in the unit circle, the rim's vertices evenly around it from (1, 0) on: rows along the rim, and within them a grid whose four corners
+/// are poles of valence 3. An odd rim leaves one triangle, or has no such layout.
+std::optional<PlaneLayout> disc_layout(Index edges, int rows);
+/// A grid in a square with its corners at these four rows of the rim; none where opposite sides have not as many edges.
+std::optional<PlaneLayout> square_layout(Index edges, const std::vector<Index>& corners, int rows);
 
 /// Smooths a layout on a surface over its plane, as far as that helps the least angle. Returns the vertices, of which the border's are given;
 /// held: those inside that stay.
