@@ -183,3 +183,41 @@ def test_ragged_boundaries_are_joined_by_quads_on_the_surface_around_them():
     x, y, z = fill.vertices.T
     assert abs(z - 1 + 0.25 * (x * x + y * y)).max() < 1e-3
     check_closed(vertices, faces, fill, 4 * 32)
+
+
+def pipe_end(middle, way, up, n=24, radius=0.4):
+    """A straight piece of pipe that ends at a point, where it goes on in a direction."""
+    way, up = np.asarray(way, float), np.asarray(up, float)
+    c = circle(n, radius, 0)
+    ring = c[:, :1] * up + c[:, 1:2] * np.cross(way, up)
+    return tube([np.asarray(middle) + ring - s * way for s in (0, 0.15, 0.3, 0.45, 0.6)], flip=True)
+
+
+@pytest.mark.parametrize("bend", [60, 90, 120])
+def test_the_ends_of_two_pipes_are_one_hole_around_wide_bends(bend):
+    a = np.radians(bend)
+    first = pipe_end((0, 0, 0), (1, 0, 0), (0, 0, 1))
+    second = pipe_end((np.sin(a), 0, 1 - np.cos(a)), (-np.cos(a), 0, -np.sin(a)), (-np.sin(a), 0, np.cos(a)))
+    vertices, faces, numbers = joined(first, second)
+    loops = [each[:24].tolist() for each in numbers]
+    assert sum(map(len, tripatch.borders.islands_of(vertices, faces, loops, parts=False))) == 1
+    fill = tripatch.fill(vertices, faces, rim=loops[0], islands=[loops[1]], output="quads")
+    off = np.hypot(np.hypot(fill.vertices[:, 0], fill.vertices[:, 2] - 1) - 1, fill.vertices[:, 1]) - 0.4
+    assert abs(off).max() < 0.02 * 0.4
+
+
+@pytest.mark.parametrize("radii", [(0.45, 0.45, 0.45), (0.3, 0.5, 0.4), (0.5, 0.4, 0.4)])
+def test_the_three_arms_of_a_joint_are_one_hole(radii):
+    arms = []
+    for k, radius in enumerate(radii):
+        turn = TURN * k / 3
+        out = np.array([np.cos(turn), np.sin(turn), 0])
+        arms.append(pipe_end(1.2 * out, -out, (0, 0, 1), radius=radius))
+    vertices, faces, numbers = joined(*arms)
+    loops = [each[:24].tolist() for each in numbers]
+    islands = tripatch.borders.islands_of(vertices, faces, loops, parts=False)
+    outer = max(range(3), key=lambda k: len(islands[k]))
+    assert sorted([outer, *islands[outer]]) == [0, 1, 2]
+    fill = tripatch.fill(vertices, faces, rim=loops[outer], islands=[loops[k] for k in islands[outer]])
+    assert fill.report.triangles_folded == 0 and not fill.report.crosses_itself
+    check_closed(vertices, faces, fill, 3 * 24)

@@ -100,7 +100,7 @@ class Holes:
     def _gather_islands(self, mesh: tuple[Array, Array, Array]) -> None:
         free = [k for k in range(len(self.rims)) if k not in self.refused]
         loops = [*(self.rims[k] for k in free), *self.outer]  # a piece that floats in a hole has an outer border
-        inside = _islands(mesh, loops, True)[: len(free)]
+        inside = _native._islands(*mesh, loops, True)[: len(free)]
         gone = {loops[i][0] for each in inside for i in each}
         for k, each in zip(free, inside, strict=True):
             self.islands[k] = [loops[i] for i in each]
@@ -166,14 +166,7 @@ def find(vertices: Any, faces: Any, islands: str = "auto", join: float | None = 
 
 def islands_of(vertices: Any, faces: Any, loops: Any, parts: bool = True) -> list[list[int]]:
     """For each of some border loops the numbers of those that lie in it. parts: those of other parts of the mesh alone."""
-    return _islands(_arrays.mesh(vertices, faces), loops, parts)
-
-
-def _islands(mesh: tuple[Array, Array, Array], loops: Any, parts: bool) -> list[list[int]]:
-    """No loop is an island of one that it touches at a vertex: these are holes side by side."""
-    vertices = [set(loop) for loop in loops]
-    inside = _native._islands(*mesh, loops, parts)
-    return [[i for i in held if not vertices[i] & vertices[k]] for k, held in enumerate(inside)]
+    return _native._islands(*_arrays.mesh(vertices, faces), loops, parts)
 
 
 class _Renumbered:

@@ -15,16 +15,16 @@ namespace {
 /// Sine of 45 degrees: what lies farther off the faces at a border, seen from there, is above or below rather than ahead.
 constexpr double off_faces = std::numbers::sqrt2 / 2;
 
-/// Cosine of 70 degrees: so far ahead, in the mean, another border lies that a person joins by hand. Of two holes side by side in one surface it
-/// is about 0; across bent pipes it is more, up to bends of some 60 degrees.
+/// Cosine of 70 degrees: so far ahead, in the mean, another border of the same part of the mesh lies that a person joins by hand. Of two holes
+/// side by side in one surface it is about 0; across bent pipes it is more, up to bends of some 60 degrees.
 constexpr double ahead = 0.34;
 
 struct HoleBorder {
   std::vector<Vec3> points;
   std::vector<Vec3> onward, normal;  // of each edge, unit: away from the face beside it; of that face
   Vec3 middle = Vec3::Zero(), area = Vec3::Zero();
-  double reach = 0;  // from the middle
-  Index part = -1;   // of the mesh
+  double reach = 0;          // from the middle
+  std::vector<Index> parts;  // of the mesh, by rising number
 };
 
 HoleBorder read_border(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& part,
@@ -39,14 +39,20 @@ HoleBorder read_border(const Mesh& mesh, const Connectivity& around, const std::
     border.reach = std::max(border.reach, (p - border.middle).norm());
     const std::vector<Index> faces = around.faces_at_edge(loop[k], loop[(k + 1) % n]);
     if (faces.empty()) return {};
-    border.part = part[faces[0]];
+    border.parts.push_back(part[faces[0]]);
     Vec3 inside = Vec3::Zero();
     for (Index v : mesh.faces[faces[0]]) inside += Vec3(mesh.vertices.row(v));
     const Vec3 along = (q - p).stableNormalized(), back = inside / static_cast<double>(mesh.faces[faces[0]].size()) - p;
     border.onward.push_back(-(back - back.dot(along) * along).stableNormalized());
     border.normal.push_back(along.cross(border.onward.back()));
   }
+  std::ranges::sort(border.parts);
+  border.parts.erase(std::ranges::unique(border.parts).begin(), border.parts.end());
   return border;
+}
+
+bool share_part(const HoleBorder& a, const HoleBorder& b) {
+  return std::ranges::any_of(a.parts, [&](Index part) { return std::ranges::binary_search(b.parts, part); });
 }
 
 /// The nearest vertex of a border.
@@ -86,11 +92,14 @@ double distance_between(const HoleBorder& a, const HoleBorder& b) {
 
 /// The distance between a hole and a border that is an island in it.
 std::optional<double> island_at(const HoleBorder& hole, const HoleBorder& island, bool parts) {
-  if ((parts && hole.part == island.part) || hole.part < 0 || island.part < 0) return {};
-  // the balls around both are nearer to each other than the hole is wide
-  if (!((hole.middle - island.middle).norm() <= 3 * hole.reach + island.reach)) return {};
+  const bool one_part = share_part(hole, island);
+  if ((parts && one_part) || hole.parts.empty() || island.parts.empty()) return {};
+  // the balls around both are nearer to each other than the hole is wide, unless a person joins parts
+  const bool near = (hole.middle - island.middle).norm() <= 3 * hole.reach + island.reach;
+  if (!near && (parts || one_part)) return {};
   if (!parts) {
-    const bool facing = leads_to(hole, island, ahead) && leads_to(island, hole, ahead);
+    const double least = one_part ? ahead : 0;
+    const bool facing = leads_to(hole, island, least) && leads_to(island, hole, least);
     return facing ? std::optional(distance_between(hole, island)) : std::nullopt;
   }
   if (!(hole.area.dot(island.area) < 0) || !(winding(hole, island.middle) > 0.5)) return {};
@@ -117,15 +126,20 @@ std::vector<std::vector<std::size_t>> islands_of(const Mesh& mesh, const Connect
       const bool first_is_larger =
           borders[a].reach > borders[b].reach || (borders[a].reach == borders[b].reach && loops[a] < loops[b]);
       const std::size_t hole = first_is_larger ? a : b, island = first_is_larger ? b : a;
-      if (const std::optional<double> distance = island_at(borders[hole], borders[island], parts))
+      const std::optional<double> distance = island_at(borders[hole], borders[island], parts);
+      // those that touch at a vertex are holes side by side
+      if (distance && std::ranges::find_first_of(loops[a], loops[b]) == loops[a].end())
         pairs.push_back({*distance, hole, island});
     }
   std::ranges::stable_sort(pairs, {}, &Pair::distance);
   std::vector<char> is_island(loops.size(), 0);
   for (const Pair& each : pairs) {
-    if (is_island[each.hole] || is_island[each.island] || !islands[each.island].empty()) continue;
+    std::vector<std::size_t>&own = islands[each.hole], &others = islands[each.island];
+    if (is_island[each.hole] || is_island[each.island] || (!others.empty() && (parts || !own.empty()))) continue;
     is_island[each.island] = 1;
-    islands[each.hole].push_back(each.island);
+    own.push_back(each.island);
+    own.insert(own.end(), others.begin(), others.end());  // of a joint with three arms, two of which are nearer to each other
+    others.clear();
   }
   return islands;
 }
