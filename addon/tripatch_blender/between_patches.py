@@ -309,9 +309,10 @@ class OBJECT_OT_fill_between_patches(FromEdges, Construction, waiting.Waiting, b
             following.begin(new)
         names = list(dict.fromkeys(curve.name for curve in made.loop.curves))
         self.sides = len(made.sides)
+        met = f"ends meet within {max(made.loop.gaps):.2g} (tolerance {self.tolerance:.2g}, scene units), "
         message = (
-            f"Filled the hole between {', '.join(names[:-1])} and {names[-1]}; ends meet within {max(made.loop.gaps):.2g} "
-            f"(tolerance {self.tolerance:.2g}, scene units), {seam(made.patch.report)}"
+            f"Filled the {'ring' if made.loop.ring else 'hole'} between {', '.join(names[:-1])} and {names[-1]}; "
+            f"{'' if made.loop.ring else met}{seam(made.patch.report)}"
         )
         notes = [sentences.for_people(note) for note in made.notes]
         self.report({"WARNING" if notes else "INFO"}, ". ".join([message, *notes[:2]]))

@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "options.h"
+#include "tripatch/annulus/annulus_patch.h"
 #include "tripatch/boundary/poles.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
@@ -106,6 +107,7 @@ void bind_patches(py::module_& m) {
             if (const auto* polygon = dynamic_cast<const PolygonSurface*>(&surface))
               return polygon_energy(surface, polygon->domain(), of, polygon_size(surface, polygon->domain()));
             if (dynamic_cast<const RoundSurface*>(&surface)) return round_energy(surface, of);
+            if (dynamic_cast<const OverAnnulus*>(&surface)) throw InvalidArgument("a ring between two sides has no energy");
             if (dynamic_cast<const PlanePatch*>(&surface))
               throw InvalidArgument("energies are of patches between sides; a surface over the plane of a rim has none");
             return energy(surface, of, size_of(surface));

@@ -2,6 +2,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "options.h"
+#include "tripatch/annulus/annulus_fill.h"
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/round.h"
@@ -14,7 +15,7 @@ namespace {
 /// Places and triangles, made without Python.
 template <class F>
 py::tuple triangles_from(const F& make) {
-  PolygonTriangles made;
+  decltype(make()) made;
   {
     py::gil_scoped_release release;
     made = make();
@@ -30,11 +31,11 @@ PolygonPatchOptions asked_of_polygon(const FillOptions& asked) {
 }
 
 template <class Made>
-Report told(const FillOptions& asked, const Made& made, double size) {
+Report told(const FillOptions& asked, const Made& made, double size, const char* method = polygon_method) {
   Report report;
   report_patch(made, report);
-  report.method = polygon_method;
-  for (Message& said : told_of_not_taken(asked, polygon_method)) report.warnings.push_back(std::move(said));
+  report.method = method;
+  for (Message& said : told_of_not_taken(asked, method)) report.warnings.push_back(std::move(said));
   return told_of_patch(std::move(report), size);
 }
 
@@ -68,6 +69,9 @@ void bind_polygon(py::module_& m) {
       .def_property_readonly(
           "domain", [](const PlanePatch& surface) { return array_from(surface.rim()); },
           "(r, 2) the places of the rim's vertices, of islands those after them.");
+  py::class_<OverAnnulus, Surface, std::shared_ptr<OverAnnulus>>(m, "RingPatch", "A patch between two closed sides.")
+      .def("_on_side",
+           [](const OverAnnulus& surface, int i, const std::vector<double>& t) { return array_from(surface.on_side(i, t)); });
   m.def("_joined_side", [](const std::vector<Side>& pieces, const std::vector<std::vector<double>>& parameters) {
     JoinedSide made = joined(pieces, parameters);
     return py::make_tuple(std::move(made.side), std::move(made.parameters));
@@ -79,6 +83,24 @@ void bind_polygon(py::module_& m) {
     RoundPatch made;
     interruptibly([&] { made = round_patch(side, options); }, progress);
     return py::make_tuple(std::const_pointer_cast<RoundSurface>(made.patch), told(asked, made, 0));
+  });
+  m.def("_ring_patch", [](const std::array<Side, 2>& sides, const py::dict& given, const py::object& progress) {
+    const FillOptions asked = fill_options(given);
+    check_taken(asked);
+    check_count(asked.continuity, 2, "continuity");
+    const std::vector<SideContinuity> continuity = asked.continuity.values();
+    std::shared_ptr<OverAnnulus> made;
+    interruptibly(
+        [&] {
+          made =
+              std::make_shared<OverAnnulus>(annulus_patch(sides[0], sides[1], {{continuity.front(), continuity.back()}, {1, 1}}));
+        },
+        progress);
+    return py::make_tuple(made, told(asked, made->made(), 0, annulus_method));
+  });
+  m.def("_ring_triangles", [](const std::shared_ptr<OverAnnulus>& patch, const std::array<std::vector<double>, 2>& parameters,
+                              const std::optional<int>& resolution) {
+    return triangles_from([&] { return triangulate_annulus(*patch, parameters[0], parameters[1], resolution); });
   });
   m.def("_polygon_triangles", [](const std::shared_ptr<OverPolygon>& patch, const std::vector<std::vector<double>>& parameters,
                                  const std::optional<int>& resolution) {

@@ -485,6 +485,32 @@ def test_a_piece_of_a_cyclic_surface(turn):
     assert np.count_nonzero(np.linalg.norm(mine[:, None] - rim, axis=2).min(axis=1) < 1e-5) > 8
 
 
+def test_two_tubes_are_joined_by_a_ring(addon):
+    """Both are cyclic in one direction, and bend around a quarter of a torus from one to the other."""
+
+    def tube(name, ends):
+        angle = np.arange(12) * np.pi / 6
+        rings = [middle + 0.5 * (np.cos(angle)[:, None] * up + np.sin(angle)[:, None] * (0, 1, 0)) for middle, up in ends]
+        made = add_surface(np.stack(rings, axis=1), name, order=(4, 2), endpoint=False, cyclic=True, resolution=4)
+        spline = made.data.splines[0]
+        spline.use_endpoint_u, spline.use_endpoint_v = not spline.use_cyclic_u, not spline.use_cyclic_v
+        return made
+
+    low = [(np.array([x, 0, 0]), np.array([0, 0, 1.0])) for x in (-1.0, -0.5, 0.0)]
+    high = [(np.array([2, 0, 2 + z]), np.array([-1.0, 0, 0])) for z in (0.0, 0.5, 1.0)]
+    first, second = tube("Low", low), tube("High", high)
+    bpy.context.view_layer.update()
+    new = run([first, second])
+    points = np.array([v.co for v in new.data.vertices])
+    off = np.hypot(np.hypot(points[:, 0], points[:, 2] - 2) - 2, points[:, 1])
+    radius = off[len(off) // 2 :].mean()  # of B-splines less than that of their points
+    assert abs(off - radius).max() < 0.02 * radius
+    every = np.vstack([drawn(ob)[0] for ob in (first, second)])
+    edge = points[border(new)]
+    assert len(edge) == 2 * 48
+    assert np.linalg.norm(edge[:, None] - every, axis=2).min(axis=1).max() < 1e-5
+
+
 @pytest.mark.parametrize("n", [4, 6])
 def test_four_surfaces_and_more(n):
     angle = 2 * np.pi * np.arange(n) / n

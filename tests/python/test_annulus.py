@@ -221,3 +221,40 @@ def test_the_three_arms_of_a_joint_are_one_hole(radii):
     fill = tripatch.fill(vertices, faces, rim=loops[outer], islands=[loops[k] for k in islands[outer]])
     assert fill.report.triangles_folded == 0 and not fill.report.crosses_itself
     check_closed(vertices, faces, fill, 3 * 24)
+
+
+def side_of_torus(angle, onward, large=2.0, small=0.5):
+    """The circle of a torus at an angle, whose surface goes on at larger angles, or smaller ones, where the hole is."""
+
+    def c(t):
+        x = TURN * t * onward
+        across = large + small * np.cos(x)
+        return np.column_stack([across * np.cos(angle), across * np.sin(angle), small * np.sin(x)])
+
+    def dc(t):
+        x = TURN * t * onward
+        across = -small * np.sin(x)
+        return TURN * onward * np.column_stack([across * np.cos(angle), across * np.sin(angle), small * np.cos(x)])
+
+    def r(t):
+        across = large + small * np.cos(TURN * t)
+        return -onward * np.column_stack([-across * np.sin(angle), across * np.cos(angle), 0 * t])
+
+    return tripatch.Side.from_functions(c, dc, r)
+
+
+def test_a_patch_between_two_closed_sides_is_a_ring():
+    first, second = side_of_torus(0.0, 1), side_of_torus(np.pi / 2, -1)
+    ring = tripatch.patch([first, second])
+    assert ring.report.method == "annulus" and ring.report.seam_angle_max < 1e-5
+    places, faces = ring.triangles([32, 24])
+    points = ring.evaluate(places)
+    assert abs(off_torus(points)).max() < 0.02 * 0.5
+    t = np.linspace(0, 1, 9)[:-1]
+    for i, side in enumerate((first, second)):
+        np.testing.assert_allclose(ring.evaluate(ring.on_side(i, t)), side.evaluate(t)[0], atol=1e-9)
+    np.testing.assert_allclose(points[:32], first.evaluate(np.arange(32) / 32)[0], atol=1e-9)
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    assert (np.unique(edges, axis=0, return_counts=True)[1] == 1).sum() == 32 + 24
+    with pytest.raises(ValueError, match="no energy"):
+        ring.energy("thin_plate")

@@ -214,11 +214,14 @@ class Loop:
     ends: list[tuple[float, float]]
     gaps: list[float] = field(default_factory=list)  # behind each piece
     groups: list[list[int]] = field(default_factory=list)  # pieces of each side, once these are joined
+    ring: bool = False  # two whole curves, which do not meet: the hole between them is a ring
 
     def sides(self) -> list[tuple[Side, Array]]:
         """The sides, with ends that meet exactly (each moves to the middle of its gap), and the parameters where they are
         drawn."""
         n = len(self.curves)
+        if self.ring:
+            return [curve.pieces([way])[0] for curve, way in zip(self.curves, self.ends, strict=True)]
         made: list[Any] = [None] * n
         for k in range(n):
             if made[k] is None and self.curves[k] is self.curves[(k + 1) % n]:
@@ -238,6 +241,9 @@ class Loop:
         three. `groups` then holds which curves each is made of."""
         made = self.sides()
         n = len(made)
+        if self.ring:
+            self.groups = [[0], [1]]
+            return made
         goes_on = [_goes_on(made[k][0], made[(k + 1) % n][0]) for k in range(n)]  # behind piece k
         if n == 3 or sum(goes_on) == n - 1:  # no patch is made for a rim of one corner
             goes_on = [False] * n
@@ -485,6 +491,27 @@ def _loop_of_two(objects: Sequence[Sequence[Curve]], tolerance: float, least: fl
     return best
 
 
+def _leads_to(curve: SurfaceEdge, other: SurfaceEdge) -> bool:
+    """Whether a surface, continued over its edge, leads to another edge in the mean."""
+    c, _, across, _ = curve.side.evaluate(curve.t)
+    way = other.points[_nearest(other.points, c)] - c
+    return bool((way * across).sum(axis=1).mean() < 0)
+
+
+def _ring_of_two(objects: Sequence[Sequence[Curve]]) -> Loop | None:
+    """The two closed edges of surfaces, one of each object, that face each other and are nearest, as the two sides of a ring."""
+    closed = [[c for c in own if isinstance(c, SurfaceEdge) and c.closed] for own in objects]
+    best = None
+    for x, y in itertools.product(*closed):
+        if not (_leads_to(x, y) and _leads_to(y, x)):
+            continue
+        apart = np.linalg.norm(y.points[_nearest(y.points, x.points)] - x.points, axis=1).mean()
+        if best is None or apart < best[0] * (1 - 1e-9):
+            ends = [(0.0, 1.0) if curve.own else (1.0, 0.0) for curve in (x, y)]
+            best = (apart, Loop([x, y], ends, [0.0, 0.0], ring=True))
+    return best[1] if best else None
+
+
 def find_loop(objects: Sequence[Sequence[Curve]], tolerance: float, whole: bool = False) -> Loop:
     """The smallest loop of pieces of curves whose ends meet.
 
@@ -494,6 +521,10 @@ def find_loop(objects: Sequence[Sequence[Curve]], tolerance: float, whole: bool 
         tolerance: largest gap between ends that still meet.
         whole: of three objects, pieces that meet in ends of both edges are taken first: edges of surfaces that lie over each
             other cross too.
+
+    Returns:
+        The loop; if nothing of two objects meets, but each has a closed edge of a surface, and these face each other, the two of
+        them, as a ring.
 
     Raises:
         Refusal: no such pieces meet; names the two objects of the widest gap, and the gap.
@@ -528,6 +559,8 @@ def find_loop(objects: Sequence[Sequence[Curve]], tolerance: float, whole: bool 
         best = min((found for found in (best, lens) if found), key=lambda found: found[0], default=None)
     if best:
         return facing(best[1])
+    if len(objects) == 2 and (ring := _ring_of_two(objects)):
+        return ring
     names = list(dict.fromkeys(curve.name for curve in curves))
     nearly = least(np.inf, lambda gaps, whole, _: max(g if w else 10 * g for g, w in zip(gaps, whole)), 1e-3 * size)
     if nearly is None or max(nearly[1].gaps) <= tolerance:

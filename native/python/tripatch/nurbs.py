@@ -128,6 +128,8 @@ def _pieces(patch: Patch) -> tuple[list[Map], list[tuple[int, Array]]]:
     """Squares that make up a patch's domain, and which of their edges (a piece and its places) lie on its sides."""
     if isinstance(patch, _native.PlanePatch):
         raise ValueError("A surface over the plane of a rim is no NURBS surface; choose a method between sides")
+    if isinstance(patch, _native.RingPatch):
+        raise ValueError("A ring between two sides is not written as NURBS surfaces")
     t = np.linspace(2 * _BESIDE_CORNER, 1, 50)
     along_s, along_t = np.column_stack([t, 0 * t]), np.column_stack([0 * t, t])
     if isinstance(patch, _native.RoundPatch):

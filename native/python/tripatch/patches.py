@@ -18,6 +18,8 @@ from .options import OPTIONS, checked, choice, names, takes_options, whole
 from .pickling import remade
 from .surfaces import surface_of, triangle_on
 
+#: Of the extent of a side: ends that are no farther apart close it.
+_CLOSED = 1e-6
 #: Of the extent of a patch: ends that are no farther apart differ by rounding, which a curve leaves at 1e-15 of its coordinates.
 _ROUNDING = 1e-12
 
@@ -63,7 +65,8 @@ def patch(
     progress: Callable[[int, int], object] | None = None,
     **options: Any,
 ) -> Patch:
-    """A patch from two to twelve sides that meet at the corners, or in a round rim that is one closed side.
+    """A patch from two to twelve sides that meet at the corners, in a round rim that is one closed side, or as a ring between
+    two closed sides.
 
     Options are those of `fill`, but nothing is made fair unless `fairing` says how ("auto" and so on). What a person should know
     of the patch is given as a warning.
@@ -83,7 +86,8 @@ def patch(
 
     Returns:
         A `Patch`, for `evaluate` and `normal` at barycentric coordinates (k, 3); of four sides or more at places (k, 2) of its
-        `domain`, a polygon with these corners (n, 2); of a round rim in the unit disc. Its `report` holds the numbers that a
+        `domain`, a polygon with these corners (n, 2); of a round rim in the unit disc; of a ring between the unit circle and a
+        smaller one about its center, where `on_side` has places. Its `report` holds the numbers that a
         fill's report has of its patch: angles along the seam and round the corners, distance from the sides, folds.
 
     Raises:
@@ -129,12 +133,21 @@ def _report(self: Patch) -> Report | None:
     return self._report
 
 
+def _is_ring(sides: Sequence[Side]) -> bool:
+    """Whether these are two sides, each of them closed."""
+    drawn = [side.evaluate(np.linspace(0, 1, 9))[0] for side in sides]
+    return len(sides) == 2 and all(np.linalg.norm(p[-1] - p[0]) <= _CLOSED * np.ptp(p, axis=0).max() for p in drawn)
+
+
 def _between_many(sides: Sequence[Side], options: dict[str, Any], progress: Callable[[int, int], object] | None) -> Patch:
     """A patch of another number of sides than three: options by side have one value or one a side."""
-    many = ("auto", "multi_sided", "side_vertex") if len(sides) == 3 else ("auto", "multi_sided")
+    own = ("annulus",) if _is_ring(sides) else ("multi_sided", "side_vertex") if len(sides) == 3 else ("multi_sided",)
+    many = ("auto", *own)
     if options["method"] not in many:
-        raise ValueError(f"{options['method']} makes patches of three sides; of {len(sides)} sides multi_sided does")
+        raise ValueError(f"{options['method']} makes patches of three sides; of {len(sides)} sides {own[0]} does")
     given = checked("patch", options)
+    if _is_ring(sides):
+        return _made("_ring_patch", sides, given, progress)
     if len(sides) == 1:
         return _made("_round_patch", sides[0], given, progress)
     return _made("_polygon_patch", sides, given, progress)
@@ -242,6 +255,8 @@ def _places_on_side(edges: Any, i: int) -> list[float]:
 def _sides_of(patch: Patch) -> int:
     if isinstance(patch, _native.PlanePatch):
         raise ValueError("a surface over the plane of a rim has no sides; its domain holds the places of the rim's vertices")
+    if isinstance(patch, _native.RingPatch):
+        return 2
     return len(patch.domain) if isinstance(patch, _native.PolygonPatch) else 1 if isinstance(patch, _native.RoundPatch) else 3
 
 
@@ -250,7 +265,7 @@ def _triangles(self: Patch, edges: Any, resolution: int | None = None) -> tuple[
 
     Args:
         edges: how many along each side, one or one a side; or for a side the parameters of its points, increasing from 0 to 1.
-        resolution: edges per side inside, 1 or more; None follows the sides.
+        resolution: edges per side inside, of a ring between its sides, 1 or more; None follows the sides.
 
     Returns:
         Barycentric coordinates (k, 3), those on the sides first, in order from corner 0 along side 2, 0 and 1; of a patch over a
@@ -264,6 +279,8 @@ def _triangles(self: Patch, edges: Any, resolution: int | None = None) -> tuple[
     inside = None if resolution is None else whole(resolution, "resolution", 1, 10000)
     if isinstance(self, _native.PolygonPatch):
         b, faces = _native._polygon_triangles(self, sides, inside)
+    elif isinstance(self, _native.RingPatch):
+        b, faces = _native._ring_triangles(self, [side[:-1] for side in sides], inside)
     elif isinstance(self, _native.RoundPatch):
         b, faces = _native._disc_triangles(self, sides, inside)
     else:
@@ -276,7 +293,7 @@ def _on_side(self: Patch, i: int, t: ArrayLike) -> Array:
     plane domain places (k, 2) in it."""
     t = _parameters(t)
     i = whole(i, "i", 0, _sides_of(self) - 1)
-    if isinstance(self, _native.PolygonPatch):
+    if isinstance(self, _native.PolygonPatch | _native.RingPatch):
         return self._on_side(i, t.tolist())
     if isinstance(self, _native.RoundPatch):
         return np.column_stack([np.cos(2 * np.pi * t), np.sin(2 * np.pi * t)])

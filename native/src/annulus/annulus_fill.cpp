@@ -9,6 +9,7 @@
 #include "tripatch/annulus/closed_side.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/hole/rim_checks.h"
+#include "tripatch/math/beginning.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/report/folded_triangles.h"
@@ -43,13 +44,26 @@ ReadBoundary read_boundary(const Mesh& mesh, const Connectivity& around, const s
   return out;
 }
 
-int rings_of(const AnnulusPatch& made, double edge, bool uneven, const FillOptions& options) {
+/// Rings of faces as wide as the edges along them are long.
+int square_rings(const AnnulusPatch& made, double edge) {
   const double by_length = std::round(made.rib_length / edge), by_turn = std::ceil(made.rib_turn / turn_of_ring - 1e-6);
-  int rings = static_cast<int>(std::clamp(std::max(by_length, by_turn), 1.0, static_cast<double>(most_rings_of_faces)));
+  return static_cast<int>(std::clamp(std::max(by_length, by_turn), 1.0, static_cast<double>(most_rings_of_faces)));
+}
+
+int rings_of(const AnnulusPatch& made, double edge, bool uneven, const FillOptions& options) {
+  int rings = square_rings(made, edge);
   const bool quads = options.output == Output::quads;
   if (quads) rings = std::max(rings, uneven ? 2 : 1) + options.resolution.value_or(0);
   if (!quads && options.resolution) rings = *options.resolution;
   return std::min(rings, most_rings_of_faces);
+}
+
+/// Triangles of faces that begin at their shorter diagonals.
+Faces halved(const Faces& faces) {
+  Faces halves;
+  for (Index f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 2; k < faces[f].size(); ++k) halves.add(std::array{faces[f][0], faces[f][k - 1], faces[f][k]});
+  return halves;
 }
 
 /// Faces of a layout by vertices of a mesh with so many, halved where triangles are asked for.
@@ -59,23 +73,39 @@ Faces faces_in_mesh(const Mesh& mesh, const AnnulusLayout& layout, const Fill& f
   for (Index& v : faces.corners) v = v < r ? fill.rim[static_cast<std::size_t>(v)] : n + v - r;
   if (quads) return faces;
   begin_at_shorter_diagonals(mesh.vertices, fill.vertices, faces);
-  Faces halves;
-  for (Index f = 0; f < faces.size(); ++f)
-    for (std::size_t k = 2; k < faces[f].size(); ++k) halves.add(std::array{faces[f][0], faces[f][k - 1], faces[f][k]});
-  return halves;
+  return halved(faces);
 }
 
-void report_annulus(const AnnulusPatch& made, double surroundings_error, Report& report) {
+}  // namespace
+
+void report_patch(const AnnulusPatch& made, Report& report) {
   report.method = annulus_method;
   report.continuity = {made.continuity[0], made.continuity[1]};
   report.seam_angle_max_by_side = {made.seam_angle_max[0], made.seam_angle_max[1]};
   report.seam_angle_rms_by_side = {made.seam_angle_rms[0], made.seam_angle_rms[1]};
   report.seam_angle_max = std::max(made.seam_angle_max[0], made.seam_angle_max[1]);
   report.seam_angle_rms = std::hypot(made.seam_angle_rms[0], made.seam_angle_rms[1]) / std::sqrt(2.0);
-  report.surroundings_error = surroundings_error;
 }
 
-}  // namespace
+AnnulusTriangles triangulate_annulus(const OverAnnulus& ring, const std::vector<double>& first, const std::vector<double>& second,
+                                     std::optional<int> rings) {
+  const AnnulusPatch& made = ring.made();
+  std::vector<double> of_second;
+  for (const double t : second) of_second.push_back(made.u_of_second(t));
+  double edge = 0;
+  for (const int side : {0, 1}) {
+    const std::vector<double>& t = side == 0 ? first : second;
+    if (t.size() < 3) throw InvalidArgument("a closed side has three edges or more");
+    edge += length_around(Points(ring.positions(as_rows(ring.on_side(side, t))))) / static_cast<double>(2 * t.size());
+  }
+  AnnulusLayout layout = annulus_layout(first, of_second, rings.value_or(square_rings(made, edge)), false);
+  AnnulusTriangles out;
+  out.uv.resize(layout.uv.rows(), 2);
+  for (Index k = 0; k < out.uv.rows(); ++k) out.uv.row(k) = made.patch->place(layout.uv(k, 0), layout.uv(k, 1));
+  begin_at_shorter_diagonals(ring.positions(as_rows(out.uv)), Points(0, 3), layout.faces);
+  out.faces = halved(layout.faces);
+  return out;
+}
 
 Fill fill_with_annulus(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                        const std::vector<Index>& island, const FillOptions& options) {
@@ -105,7 +135,8 @@ Fill fill_with_annulus(const Mesh& mesh, const Connectivity& around, const std::
   fill.rim_normals = made.patch->normals(as_rows(fill.rim_uv));
   fill.patch = std::make_shared<PlanePatch>(made.patch, fill.rim_uv);
   fill.sides = {first.known.side, second.known.side};
-  report_annulus(made, std::max(first.known.surroundings_error, second.known.surroundings_error), fill.report);
+  report_patch(made, fill.report);
+  fill.report.surroundings_error = std::max(first.known.surroundings_error, second.known.surroundings_error);
   fill.report.rows = rings;
   for (const Index pole : quads ? layout.poles : std::vector<Index>())
     fill.report.poles.push_back({mesh.vertices.rows() + pole - fill.rim_uv.rows(),

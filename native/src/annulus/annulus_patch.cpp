@@ -154,6 +154,13 @@ double AnnulusPatch::u_of_second(double t) const {
   return wrapped_parameter((low + high) / 2);
 }
 
+PlanePoints OverAnnulus::on_side(int side, const std::vector<double>& t) const {
+  PlanePoints places(static_cast<Index>(t.size()), 2);
+  for (std::size_t k = 0; k < t.size(); ++k)
+    places.row(static_cast<Index>(k)) = side == 0 ? made_.patch->place(t[k], 0) : made_.patch->place(made_.u_of_second(t[k]), 1);
+  return places;
+}
+
 AnnulusPatch annulus_patch(const Side& first, const Side& second, const AnnulusOptions& options) {
   for (const Side* side : {&first, &second})
     if (!((side->c(1) - side->c(0)).norm() <= sides_meet * arc_length(side->c))) throw CodedRefusal(Code::ring_boundary_open);
@@ -168,8 +175,7 @@ AnnulusPatch annulus_patch(const Side& first, const Side& second, const AnnulusO
     for (std::size_t k = 0; k < u.size(); ++k) maker.at(u[k], &out[rib_numbers * k]);
   };
   made.patch = std::make_shared<AnnulusSurface>(PiecewisePolynomial::fit(ribs, rib_numbers, rib_tolerance), inner_radius(maker));
-  for (int i = 0; i < 2; ++i)
-    made.continuity[i] = kept_by(options.continuity[i]);
+  for (int i = 0; i < 2; ++i) made.continuity[i] = kept_by(options.continuity[i]);
   measure_patch(maker, made);
   return made;
 }

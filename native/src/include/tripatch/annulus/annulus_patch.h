@@ -8,6 +8,7 @@
 #include <array>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tripatch/boundary/side.h"
@@ -53,6 +54,19 @@ struct AnnulusPatch {
 
   /// u where the rib ends at a parameter of the second side.
   double u_of_second(double t) const;
+};
+
+/// The same as a surface by itself.
+class OverAnnulus final : public Surface {
+public:
+  explicit OverAnnulus(AnnulusPatch made) : made_(std::move(made)) {}
+  void evaluate(const double* b, Index n, int order, double* out) const override { made_.patch->evaluate(b, n, order, out); }
+  const AnnulusPatch& made() const { return made_; }
+  /// Places of parameters on a side.
+  PlanePoints on_side(int side, const std::vector<double>& t) const;
+
+private:
+  AnnulusPatch made_;
 };
 
 /// Both sides are closed and run in the direction of new faces, each as the boundary of its own hole. Throws a Refusal where the two face
