@@ -137,6 +137,13 @@ class FillSmooth(Construction, waiting.Waiting):
         default=0,
         options={"SKIP_SAVE"},
     )
+    span: IntProperty(
+        name="Span",
+        description="Edges between the first two corners of a grid of quads, as in Grid Fill (0: as the corners are)",
+        min=0,
+        default=0,
+        options={"SKIP_SAVE"},
+    )
     shading: EnumProperty(
         name="Shading",
         description="Shade the new faces smooth or flat",
@@ -215,6 +222,7 @@ class FillSmooth(Construction, waiting.Waiting):
                 self._holes_rows(row)
         with panel.folded(self, "sides", "Sides") as row:
             self.sides_rows(row)
+            row("span", active=self.faces() == "quads")
             row("corner_offset", active=not self.why_not("corners"))
             self.why_rows(row, {"corners": "Slide Corners"})
         with panel.folded(self, "subdivision", "Subdivision") as row:
@@ -521,6 +529,9 @@ class FillSmooth(Construction, waiting.Waiting):
             rims, refused, left = [], [], []
         if self.width > 0:
             rims, refused = trimming.rims(bm, matrix, selected.faces, self.width, options), []
+        if self.span and self.faces() == "quads":
+            selection.span(rims, self.span, self.corner_offset)
+            options = replace(options, corner_offset=0)
         notch = notches.close(bm, refused) if self._closes_notches() else None
         if notch:
             rims, refused = [*rims, notch.rim], []

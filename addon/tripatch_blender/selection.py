@@ -441,6 +441,30 @@ def selected_rims(bm, selection):
     return rims, refused
 
 
+def _turning(points):
+    """By how much a loop (n, 3) turns to its inside at each point, as seen along its area: radians."""
+    into, out = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
+    area = np.cross(points - points.mean(axis=0), out).sum(axis=0)
+    area /= max(np.linalg.norm(area), 1e-30)
+    return np.arctan2(np.cross(into, out) @ area, (into * out).sum(axis=1))
+
+
+def span(rims, edges, offset):
+    """Gives rims four corners, with so many edges from the first to the second, as Grid Fill does.
+
+    The first is the active vertex, or where the corners turn most; so many vertices on with an offset. Rims that have corners
+    keep them, but for the offset. Those with an odd number of edges stay."""
+    for rim in rims:
+        count, half = len(rim.loop), len(rim.loop) // 2
+        if not rim.corners and not (rim.islands or rim.round or count % 2) and 0 < edges < half:
+            turning = _turning(coordinates(rim.loop))
+            steps = [0, edges, half, half + edges]
+            first = rim.loop.index(rim.first) if rim.first else int(sum(np.roll(turning, -k) for k in steps)[:half].argmax())
+            rim.corners = [rim.loop[(first + k) % count] for k in steps]
+        rim.corners = [rim.loop[(rim.loop.index(v) + offset) % count] for v in rim.corners]
+        rim.first = None if offset else rim.first
+
+
 class Surroundings:
     """World positions of what lies around rims, in the vertex numbers of the BMesh, so that refusals name its vertices."""
 
