@@ -201,3 +201,20 @@ def test_four_corners_of_a_ragged_rim_get_a_grid():
     count = np.bincount(np.concatenate(fill.faces), minlength=len(vertices) + len(fill.vertices))
     assert (count[len(vertices) :] == 4).all()
     assert (count[corners] == 1).all()
+
+
+@pytest.mark.parametrize("seed", [5, 9, 10])
+def test_a_very_ragged_rim_among_triangles_gets_quads(seed):
+    n = 24
+    at = np.linspace(-1, 1, n + 1)
+    x, y = (each.ravel() for each in np.meshgrid(at, at, indexing="ij"))
+    v = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    quads = np.stack([v[:-1, :-1], v[1:, :-1], v[1:, 1:], v[:-1, 1:]], axis=-1).reshape(-1, 4)
+    vertices = np.column_stack([x, y, 0.2 * x * x - 0.1 * y * y])
+    middle = vertices[quads].mean(axis=1)
+    within = 0.42 + 0.25 * np.random.default_rng(seed).random(len(quads))
+    left = quads[np.hypot(middle[:, 0], middle[:, 1]) >= within]
+    faces = [t for q in left.tolist() for t in (q[:3], [q[0], q[2], q[3]])]
+    rim = max((loop for loop in tripatch.find_holes(faces) if len(loop) != 4 * n), key=len)
+    fill = tripatch.fill(vertices, faces, rim=rim, output="quads")
+    assert sum(len(face) == 3 for face in fill.faces) <= 0.05 * len(fill.faces)

@@ -14,6 +14,8 @@ namespace {
 /// Over all vertices inside: on the surface, then for the least angle. With half and twice of the first vertices of quads between four to six
 /// sides of a wavy saddle move by up to 1e-3 and 2e-4 of the diameter, of the second by 9e-3 and 4e-3.
 constexpr int sweeps_on_surface = 10, sweeps_of_angles = 20;
+/// These again, while an angle is no good and becomes better. A choice.
+constexpr int most_rounds = 6;
 
 Points surface_rows(const PlanePoints& uv) {
   Points rows = Points::Zero(uv.rows(), 3);
@@ -151,16 +153,19 @@ std::optional<Points> smoothed_at(PlaneLayout& layout, const Surface& patch, con
 
 Points smoothed_on(PlaneLayout& layout, const Surface& patch, const Points& border, const std::vector<Index>& held) {
   Points best = on_surface(layout, patch, border);
-  double least = quad_quality(best, layout.faces).least;
-  for (const auto& [sweeps, sharpening] : {std::array<int, 2>{sweeps_on_surface, 0}, {0, sweeps_of_angles}}) {
-    PlaneLayout trial = layout;
-    smooth_quads(trial, sweeps, sharpening, &patch, &border, held);
-    Points there = on_surface(trial, patch, border);
-    const double now = quad_quality(there, layout.faces).least;
-    if (!(now >= least)) continue;
-    least = now;
-    best = std::move(there);
-    layout = std::move(trial);
+  double least = quad_quality(best, layout.faces).least, before = -INFINITY;
+  for (int round = 0; round == 0 || (round < most_rounds && least < least_sine && least > before); ++round) {
+    before = least;
+    for (const auto& [sweeps, sharpening] : {std::array<int, 2>{sweeps_on_surface, 0}, {0, sweeps_of_angles}}) {
+      PlaneLayout trial = layout;
+      smooth_quads(trial, sweeps, sharpening, &patch, &border, held);
+      Points there = on_surface(trial, patch, border);
+      const double now = quad_quality(there, layout.faces).least;
+      if (!(now >= least)) continue;
+      least = now;
+      best = std::move(there);
+      layout = std::move(trial);
+    }
   }
   return best;
 }
