@@ -53,6 +53,7 @@ def test_there_is_a_wheel_for_each_python_and_a_zip_for_each_platform(packed, tm
             manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
             inside = sorted(n.removeprefix("wheels/") for n in archive.namelist() if n.startswith("wheels/"))
         assert manifest["platforms"] == [name]
+        assert "blender" not in manifest["id"] + manifest["name"].lower()  # the platform's rule
         assert manifest["wheels"] == [f"./wheels/{w}" for w in inside]
         assert inside == [f"tripatch-{wheels.VERSION}-cp{p}-cp{p}-{platform.wheel_tag}.whl" for p in PYTHONS]
         assert any("Pixar" in holder for holder in manifest["copyright"])
