@@ -85,7 +85,7 @@ class Holes:
         self.mesh = mesh = vertices, self._offsets, self.corners
         self.borders = borders = [loop.tolist() for loop in _native._find_holes(*mesh[1:])]
         chosen = [loop.tolist() for loop in _native._choose_holes(*mesh, given)] if borders else []
-        outer = [loop.tolist() for loop in _native._outer_borders(*mesh)] if borders and not given.get("outer") else []
+        outer = _outer_among(mesh, borders, chosen, given)
         found = zip(borders, _native._contacts(*mesh, borders), strict=True)
         contacts = {loop[0]: contact for loop, contact in found if contact[0] or contact[1] == len(loop)}
         near = [loop for loop in outer if loop[0] in contacts]
@@ -157,6 +157,17 @@ class Holes:
                 elif before in self._edges:
                     corners[first + k] = self._edges[before][1]
         return _Renumbered(native, corners, self.in_mesh(native.rim.tolist()))
+
+
+def _outer_among(mesh: tuple[Array, Array, Array], borders: list[list[int]], chosen: list[list[int]], given: Any) -> list[Any]:
+    """The outer borders, unless they are chosen too. Where nothing else is left out, they are all that is not chosen."""
+    if not borders or given.get("outer"):
+        return []
+    filters = [given.get(name) for name in ("max_edges", "max_diameter", "corner_count")]
+    if any(each is not None for each in filters):
+        return [loop.tolist() for loop in _native._outer_borders(*mesh)]
+    holes = {tuple(loop) for loop in chosen}
+    return [loop for loop in borders if tuple(loop) not in holes]
 
 
 def find(vertices: Any, faces: Any, islands: str = "auto", join: float | None = None, **choosing: Any) -> Holes:

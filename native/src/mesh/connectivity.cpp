@@ -204,12 +204,15 @@ std::vector<Index> components_of(const Connectivity& mesh) {
     while (!stack.empty()) {
       const auto face = faces[stack.back()];
       stack.pop_back();
-      for (std::size_t k = 0; k < face.size(); ++k)
-        for (Index f : mesh.faces_at_edge(face[k], face[(k + 1) % face.size()]))
-          if (component[f] < 0) {
-            component[f] = components;
-            stack.push_back(f);
-          }
+      for (std::size_t k = 0; k < face.size(); ++k) {  // as faces_at_edge, of which there are millions
+        const Index a = face[k], b = face[(k + 1) % face.size()], v = mesh.sparser(a, b), w = v == a ? b : a;
+        for (const Corner c : mesh.at(v)) {
+          const Index f = mesh.face(c);
+          if (component[f] >= 0 || (mesh.next(c) != w && mesh.previous(c) != w)) continue;
+          component[f] = components;
+          stack.push_back(f);
+        }
+      }
     }
     ++components;
   }
