@@ -28,10 +28,11 @@ def test_the_used_candidate_comes_first_and_is_the_fill():
     assert first.seam_deg == report.seam_angle_max
 
 
-@pytest.mark.parametrize("count", [8, 12])
-def test_of_valid_candidates_the_one_with_the_least_expected_error_is_used(count):
-    vertices, faces, rim = octant(count)
-    first, *others = candidates(vertices, faces, rim=rim)
+def test_of_valid_candidates_the_one_with_the_least_expected_error_is_used():
+    rng = np.random.default_rng(3)
+    vertices, faces, rim = octant(12)
+    rough = vertices + 0.01 * rng.normal(size=vertices.shape)
+    first, *others = candidates(rough, faces, rim=rim)
     made = [each for each in others if each.status == "made" and not each.folds and not each.crosses and not each.leaves_hole]
     assert made and all(first.expected_error <= each.expected_error for each in made)
 
@@ -42,25 +43,6 @@ def test_a_spline_is_skipped_if_the_patch_is_exact_and_tried_between_three_sides
     assert ways["side_vertex"] == "used" and ways["polyharmonic_spline"] == "skipped"
     stretched = vertices * [1, 1.7, 0.6] + 0.1 * np.sin(3 * vertices[:, [1, 2, 0]])
     assert [each for each in candidates(stretched, faces, rim=rim) if each.method == "polyharmonic_spline" and each.folds == 0]
-
-
-def test_a_patch_whose_planes_are_known_too_badly_to_beat_the_spline_is_not_made():
-    vertices, faces, rim = octant(4)
-    used, *others = candidates(vertices, faces, rim=rim)
-    patch = tripatch.fill(vertices, faces, rim=rim, method="side_vertex")
-    assert used.method == "polyharmonic_spline" and "side_vertex" not in {each.method for each in others}
-    assert "cannot be more accurate than polyharmonic_spline" in {each.why for each in others if each.status == "skipped"}
-    diameter = np.sqrt(2)
-    assert used.expected_error < 0.125 * np.radians(patch.report.surroundings_error) * diameter  # the least that a patch expects
-
-
-def test_the_spline_is_not_made_where_the_patch_of_a_sphere_octant_is_exact():
-    vertices, faces, rim = octant(16)
-    used, *others = candidates(vertices, faces, rim=rim)
-    assert used.method == "side_vertex"
-    splines = [each for each in others if each.method == "polyharmonic_spline"]
-    assert splines and {each.status for each in splines} == {"skipped"}
-    assert "nothing can be visibly more accurate than side_vertex" in {each.why for each in splines}
 
 
 def test_candidates_that_are_not_made_say_why_and_have_no_numbers():

@@ -69,22 +69,6 @@ def test_errors_are_as_large_as_is_said():
     assert 0.5 < np.sqrt(np.mean(np.square(ratios))) < 2
 
 
-def test_no_patch_is_made_for_a_small_hole_however_rough_the_mesh_around_it():
-    statuses = []
-    for seed in range(8):
-        for fill in fills_of(*perforated(seed, noise=0.15)):
-            tried = fill.report.candidates
-            assert tried[0].status == "used" and tried[0].method == "polyharmonic_spline"
-            statuses += [each.status for each in tried if each.method in ("side_vertex", "multi_sided")]
-    assert set(statuses) == {"skipped"}
-
-
-def test_a_shaped_small_hole_has_the_patch_that_it_asks_for():
-    vertices, faces = perforated(5)
-    shaped = tripatch.fill_all(vertices, faces, [loop for loop in tripatch.find_holes(faces) if len(loop) == 6], bulge=1.2)
-    assert any(fill.patch is not None and fill.sides for fill in shaped if not isinstance(fill, tripatch.Refusal))
-
-
 def test_a_plane_is_kept_and_no_vertex_is_wasted_on_a_square():
     vertices, faces = perforated(0, height=lambda x, y: 0.2 * x - 0.1 * y)
     for fill in fills_of(vertices, faces):

@@ -7,16 +7,13 @@
 
 #include "tripatch/annulus/annulus_fill.h"
 #include "tripatch/constructions/methods.h"
-#include "tripatch/creases/flat_walls.h"
 #include "tripatch/fill/select.h"
 #include "tripatch/fill/spline_fill.h"
 #include "tripatch/hole/corners.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
-#include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/mesh/vertex_normals.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/polygon_cover.h"
 #include "tripatch/output/shaped.h"
@@ -277,24 +274,6 @@ std::optional<Fill> rows_on_surface(const Ground& ground, const Fill& rows, cons
     layout.uv.row(layout.rim + k) = place;
   }
   return with_faces_of(ground, {fill.rim}, rows, layout, least_sine, fill);
-}
-
-std::vector<std::array<Index, 2>> sharp_rim_edges(const Ground& ground, const Fill& fill) {
-  const Index n = ground.mesh.vertices.rows();
-  const auto at = [&](Index v) -> Vec3 { return v < n ? Vec3(ground.mesh.vertices.row(v)) : Vec3(fill.vertices.row(v - n)); };
-  std::vector<std::array<Index, 2>> edges;
-  for (Index f = 0; f < fill.faces.size(); ++f) {
-    const std::span<const Index> face = fill.faces[f];
-    Vec3 area = Vec3::Zero();
-    for (std::size_t k = 2; k < face.size(); ++k) area += (at(face[k - 1]) - at(face[0])).cross(at(face[k]) - at(face[0]));
-    for (std::size_t k = 0; k < face.size(); ++k) {
-      const Index a = face[k], b = face[(k + 1) % face.size()];
-      const auto beyond = a < n && b < n ? ground.left.edge(b, a) : std::nullopt;
-      if (beyond && angle_between(area, area_vector(ground.mesh, ground.left.face(*beyond))) > least_crease_angle)
-        edges.push_back({a, b});
-    }
-  }
-  return edges;
 }
 
 Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options) {

@@ -24,7 +24,6 @@
 #include "tripatch/mesh/vertex_normals.h"
 #include "tripatch/messages.h"
 #include "tripatch/spline/plane_fill.h"
-#include "tripatch/spline/small_fill.h"
 
 namespace tripatch {
 
@@ -180,13 +179,8 @@ private:
 
 /// Of one hole.
 struct FillProblem {
-  FillProblem(const Ground& g, const std::vector<Index>& given_rim, const Corners& given, const FillOptions& asked, bool plain)
-      : ground(g),
-        rim(given_rim),
-        loop(check_topology(g.left, given_rim)),
-        corners(given),
-        options(asked),
-        is_small(plain && loop.size() <= most_edges_of_small) {}
+  FillProblem(const Ground& g, const std::vector<Index>& given_rim, const Corners& given, const FillOptions& asked)
+      : ground(g), rim(given_rim), loop(check_topology(g.left, given_rim)), corners(given), options(asked) {}
 
   const SidesFound& sides() {
     if (!sides_) sides_ = SideFinder(ground, loop, corners, options).found();
@@ -202,17 +196,11 @@ struct FillProblem {
     return begun ? begun->get() : spline_anew();
   }
 
-  const Surroundings& beside() {  // three sides
-    if (!beside_) beside_ = surroundings_of(ground, sides().hole, sides().options);
-    return *beside_;
-  }
-
   const Ground& ground;
   const std::vector<Index>& rim;
   const std::vector<Index> loop;  ///< checked
   const Corners& corners;         ///< as given
   const FillOptions& options;
-  const bool is_small;  ///< too few edges for sides to be worth a patch
   const double size = diameter(ground.mesh, loop);
   bool is_of_revolution = false;  ///< the surroundings of a round rim
 
@@ -220,7 +208,6 @@ private:
   Fill spline_anew() const { return fill_any_rim(ground, rim, sides_->of_spline, sides_->options, {}); }
 
   std::optional<SidesFound> sides_;
-  std::optional<Surroundings> beside_;
   std::unique_ptr<AsyncTask<Fill>> begun_;  // the last: it ends before what it reads
 };
 
@@ -252,23 +239,7 @@ bool wants_patch(FillProblem& problem) {
   return given || unknown || is_shaped_by_hand(problem.options) || problem.options.cap != Cap::automatic;
 }
 
-const Tried& patch_in(const TriedFills& tried) { return tried[3]; }
-const Tried& early_spline_in(const TriedFills& tried) { return tried[2]; }
-
-std::string skip_small(FillProblem& problem, const TriedFills&) {
-  return problem.is_small ? "" : "the hole has many edges, or more is asked for than that it be closed";
-}
-
-Fill make_small(FillProblem& problem, const TriedFills&) {
-  const Ground& ground = problem.ground;
-  std::vector<Index> loop = problem.loop;
-  check_finite(ground.mesh, ground.left, loop);
-  std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
-  std::optional<Fill> fill =
-      loop.size() == 3 ? fill_with_one_triangle(ground.mesh, ground.left, loop) : fill_small(ground.mesh, ground.left, loop);
-  if (!fill) throw CodedRefusal(Code::surroundings_too_rough, loop);
-  return std::move(*fill);
-}
+const Tried& patch_in(const TriedFills& tried) { return tried[1]; }
 
 std::string skip_rows(FillProblem& problem, const TriedFills&) {
   const FillOptions& options = problem.options;
@@ -287,27 +258,8 @@ Fill make_rows(FillProblem& problem, const TriedFills&) {
   return std::move(*fill);
 }
 
-/// Of a patch between three sides, before it is made. 0: not known.
-double least_error_of_patch(FillProblem& problem) {
-  const SidesFound& sides = problem.sides();
-  if (sides.domain != Domain::triangle || wants_patch(problem) || any_sharp(sharp_sides_of(problem.ground, sides.hole))) return 0;
-  try {
-    return least_error(problem.beside().error, problem.size);
-  } catch (const CodedRefusal&) {  // as the patch will be
-    return 0;
-  }
-}
-
-/// The spline goes before a patch that is known not to be exact: then that need not be made where it cannot be more accurate.
-std::string skip_early_spline(FillProblem& problem, const TriedFills&) {
-  if (problem.is_small) return "another fill comes first";
-  return is_negligible(least_error_of_patch(problem), problem.size) ? "a patch between the sides may be exact" : "";
-}
-
 std::string skip_patch(FillProblem& problem, const TriedFills&) {
   const SidesFound& sides = problem.sides();
-  if (problem.is_small && sides.domain == Domain::triangle && !any_sharp(sharp_sides_of(problem.ground, sides.hole)))
-    return "the hole is too small for sides";
   return sides.domain == Domain::none ? sides.reason : "";
 }
 
@@ -317,8 +269,9 @@ void check_sides(const Ground& ground, const std::vector<Index>& rim, std::span<
 
 Fill make_triangle(FillProblem& problem) {
   const SidesFound& sides = problem.sides();
+  check_counts(sides.options, 3);
   check_sides(problem.ground, sides.hole.rim, sides.hole.corners);
-  return fill_with_patch(problem.ground, sides.hole, sides.options, problem.beside());
+  return fill_with_patch(problem.ground, sides.hole, sides.options);
 }
 
 bool is_beside_sharp(const Fill& patch) { return std::ranges::count(patch.report.continuity, SeamContinuity::free) > 0; }
@@ -403,8 +356,7 @@ std::string why_spline(FillProblem& problem, const TriedFills& tried) {
   const std::size_t count = sides.domain == Domain::triangle ? 3 : sides.corners.size();
   const std::string between =
       sides.domain == Domain::disc ? "over the round hole" : "between " + std::to_string(count) + " corners";
-  const FillCandidate patch = tried.size() > 3 ? patch_in(tried).row : FillCandidate();  // or the spline comes first
-  if (patch.status == CandidateStatus::skipped) return patch.why;
+  const FillCandidate& patch = patch_in(tried).row;
   if (patch.status == CandidateStatus::refused) return "no patch fits " + between + ": " + patch.why;
   if (patch.quality.crosses) return "a patch " + between + " would cross itself";
   if (patch.quality.folds > 0) return "a patch " + between + " would fold";
@@ -414,7 +366,6 @@ std::string why_spline(FillProblem& problem, const TriedFills& tried) {
 }
 
 std::string skip_spline(FillProblem& problem, const TriedFills& tried) {
-  if (early_spline_in(tried).fill) return "it is made already";
   if (problem.sides().has_lost_wall) return problem.sides().reason;
   const Tried* const best = best_of(tried);
   if (!best || !is_valid(best->row.quality)) return "";
@@ -425,7 +376,7 @@ std::string skip_spline(FillProblem& problem, const TriedFills& tried) {
 
 Fill make_spline(FillProblem& problem, const TriedFills& tried) {
   Fill fill = problem.spline();
-  const std::optional<Fill>& rows = tried[1].fill;  // even quads, whatever their heights
+  const std::optional<Fill>& rows = tried.front().fill;  // even quads, whatever their heights
   if (rows && problem.options.output == Output::quads)
     if (std::optional<Fill> even = rows_on_surface(problem.ground, *rows, fill)) fill = std::move(*even);
   fill.report.method_reason = why_spline(problem, tried);
@@ -434,7 +385,7 @@ Fill make_spline(FillProblem& problem, const TriedFills& tried) {
 
 /// The spline with the tangent planes of a patch that is not valid itself, if they are known better.
 std::string skip_spline_with_planes(FillProblem& problem, const TriedFills& tried) {
-  const Tried &patch = patch_in(tried), &spline = early_spline_in(tried).fill ? early_spline_in(tried) : tried.back();
+  const Tried &patch = patch_in(tried), &spline = tried.back();
   if (!patch.fill || is_valid(patch.row.quality)) return "a patch has these tangent planes already";
   if (asks_for_sides(problem.sides().options)) return "sides were requested";
   const bool better = spline.fill && patch.fill->report.surroundings_error < spline.fill->report.surroundings_error;
@@ -458,18 +409,35 @@ Fill make_folded(FillProblem& problem, const TriedFills&) {
   return fill;
 }
 
-/// All ways to fill a hole, the cheapest first. The others ask for the third and the fourth (see patch_in).
+/// All ways to fill a hole, the cheapest first. The patch is the second: the others ask for it (see patch_in).
 constexpr std::array strategies = {
-    Strategy{spline_method, skip_small, make_small, true},
     Strategy{rows_method, skip_rows, make_rows},
-    Strategy{spline_method, skip_early_spline, make_spline},
-    Strategy{polygon_method, skip_patch, make_patch, false, least_error_of_patch},
+    Strategy{polygon_method, skip_patch, make_patch},
     Strategy{polygon_method, skip_lower_cap, make_lower_cap},
     Strategy{spline_method, skip_lid, make_lid},
     Strategy{spline_method, skip_spline, make_spline},
     Strategy{spline_method, skip_spline_with_planes, make_spline_with_planes},
     Strategy{polygon_method, skip_folded, make_folded},
 };
+
+/// The edges of the rim at which a fill meets the mesh at an angle.
+std::vector<std::array<Index, 2>> sharp_rim_edges(const Ground& ground, const Fill& fill) {
+  const Index n = ground.mesh.vertices.rows();
+  const auto at = [&](Index v) -> Vec3 { return v < n ? Vec3(ground.mesh.vertices.row(v)) : Vec3(fill.vertices.row(v - n)); };
+  std::vector<std::array<Index, 2>> edges;
+  for (Index f = 0; f < fill.faces.size(); ++f) {
+    const std::span<const Index> face = fill.faces[f];
+    Vec3 area = Vec3::Zero();
+    for (std::size_t k = 2; k < face.size(); ++k) area += (at(face[k - 1]) - at(face[0])).cross(at(face[k]) - at(face[0]));
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const Index a = face[k], b = face[(k + 1) % face.size()];
+      const auto beyond = a < n && b < n ? ground.left.edge(b, a) : std::nullopt;
+      if (beyond && angle_between(area, area_vector(ground.mesh, ground.left.face(*beyond))) > least_crease_angle)
+        edges.push_back({a, b});
+    }
+  }
+  return edges;
+}
 
 /// Whether nobody has asked for anything but that a wall that is lost comes back.
 bool is_lid(const Ground& ground, const Fill& fill, const FillOptions& options) {
@@ -480,10 +448,10 @@ bool is_lid(const Ground& ground, const Fill& fill, const FillOptions& options) 
 
 }  // namespace
 
-Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
-                          bool may_be_small) {
+Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
+                          const FillOptions& options) {
   if (!options.islands.empty()) return fill_around_islands(ground, rim, options);
-  FillProblem problem(ground, rim, corners, options, may_be_small);
+  FillProblem problem(ground, rim, corners, options);
   Fill fill = selected(try_all(problem, strategies, problem.size, judged));
   if (problem.is_flat()) fill.report.warnings.push_back({Code::flat_all_around});
   if (!is_lid(ground, fill, options)) return fill;

@@ -33,6 +33,7 @@
 #include "tripatch/polygon/surface.h"
 #include "tripatch/spline/plane_fill.h"
 #include "tripatch/spline/plane_patch.h"
+#include "tripatch/spline/small_fill.h"
 
 namespace tripatch {
 
@@ -198,17 +199,28 @@ bool asks_for_nothing(const FillOptions& options) {
          options.cap == Cap::automatic;
 }
 
+/// Of a hole of three edges, or of few in smooth surroundings.
+std::optional<Fill> fill_if_small(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options) {
+  if (rim.size() > most_edges_of_small || !asks_for_nothing(options)) return {};
+  std::vector<Index> checked = check_topology(ground.left, rim);
+  check_finite(ground.mesh, ground.left, checked);
+  std::rotate(checked.begin(), std::min_element(checked.begin(), checked.end()), checked.end());
+  return checked.size() == 3 ? fill_with_one_triangle(ground.mesh, ground.left, checked)
+                             : fill_small(ground.mesh, ground.left, checked);
+}
+
 /// What the rim asks for, shaped as asked: shape changes nothing in what is chosen.
 Fill fill_and_shape(const Ground& ground, const std::vector<Index>& loop, const Corners& corners, const FillOptions& options) {
   if (corners) check_counts(options, std::max<std::size_t>(corners->size(), 1));
-  const bool may_be_small = !corners && asks_for_nothing(options);
+  if (!corners)
+    if (std::optional<Fill> small = fill_if_small(ground, loop, options)) return std::move(*small);
   FillOptions by = choosing(options);
   if (!options.fairing) by.fairing.reset();  // between three sides it takes ten times as long as all else
-  Fill fill = fill_as_the_rim_asks(ground, loop, corners, by, may_be_small);
+  Fill fill = fill_as_the_rim_asks(ground, loop, corners, by);
   const bool of_three = fill.report.method == patch_method;
-  if (!options.fairing && !of_three && fill.patch) {
+  if (!options.fairing && !of_three) {
     by.fairing = choosing(options).fairing;
-    fill = fill_as_the_rim_asks(ground, loop, corners, by, may_be_small);
+    fill = fill_as_the_rim_asks(ground, loop, corners, by);
   }
   const bool as_chosen = options.fairing == by.fairing && options.continuity == by.continuity &&
                          (options.cross_boundary == by.cross_boundary || !of_three);

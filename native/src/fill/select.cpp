@@ -29,16 +29,15 @@ double root_mean_square(const Eigen::VectorXd& values) {
   return values.size() == 0 ? 0 : values.norm() / std::sqrt(static_cast<double>(values.size()));
 }
 
-double error_of_planes(double degrees) { return error_by_planes * degrees * std::numbers::pi / 180; }
-
 double stated_error(const Fill& fill, double size) {
   const Report& report = fill.report;
-  const double by_planes = error_of_planes(report.surroundings_error);
+  const double planes = report.surroundings_error * std::numbers::pi / 180;
   if (report.method == rows_method) return error_by_missed * root_mean_square(fill.deviation);
-  if (!fill.patch && fill.deviation.size() == 0) return error_of_triangles * size;
-  if (report.method == spline_method) return std::hypot(error_by_deviation * root_mean_square(fill.deviation), by_planes * size);
+  if (!fill.patch) return error_of_triangles * size;
+  if (report.method == spline_method)
+    return std::hypot(error_by_deviation * root_mean_square(fill.deviation), error_by_planes * planes * size);
   if (fill.vertices.rows() == 0) return 0;
-  return size * std::hypot(error_by_energy * std::sqrt(report.energy_after), by_planes);
+  return size * std::hypot(error_by_energy * std::sqrt(report.energy_after), error_by_planes * planes);
 }
 
 auto compared(const Quality& q) { return std::tuple(q.crosses, q.folds, q.leaves_hole); }
@@ -57,8 +56,6 @@ double expected_error(const Fill& fill, double size) {
   const double error = stated_error(fill, size);
   return error < size ? error : size;  // a number, too
 }
-
-double least_error(double surroundings_error, double size) { return error_of_planes(surroundings_error) * size; }
 
 bool is_negligible(double error, double size) { return error <= negligible * size; }
 
@@ -83,24 +80,19 @@ const Tried* best_of(const TriedFills& tried) {
 TriedFills try_all(FillProblem& problem, std::span<const Strategy> strategies, double size,
                    Quality (*judged)(FillProblem&, const Fill&)) {
   TriedFills tried;
-  std::string settled;  // by what, if anything
   for (const Strategy& strategy : strategies) {
     Tried now;
     now.row.method = strategy.method;
     try {
-      now.row.why = settled.empty() ? strategy.skips(problem, tried) : settled;
+      now.row.why = strategy.skips(problem, tried);
       const Tried* const best = best_of(tried);
       if (now.row.why.empty() && best && is_valid(best->row.quality) && is_negligible(best->row.quality.expected_error, size))
         now.row.why = "nothing can be visibly more accurate than " + best->row.method;
-      if (now.row.why.empty() && best && is_valid(best->row.quality) && strategy.lower_bound &&
-          !(strategy.lower_bound(problem) < best->row.quality.expected_error))
-        now.row.why = "cannot be more accurate than " + best->row.method;
       if (now.row.why.empty()) {
         now.fill = strategy.make(problem, tried);
         now.row.method = now.fill->report.method;
         now.row.status = CandidateStatus::made;
         now.row.quality = judged(problem, *now.fill);
-        if (strategy.settles && is_valid(now.row.quality)) settled = now.fill->report.method_reason;
       }
     } catch (const CodedRefusal& refusal) {
       now.row.status = CandidateStatus::refused;

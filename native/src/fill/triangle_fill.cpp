@@ -112,37 +112,20 @@ bool may_follow_points(const FillOptions& options) {
 
 }  // namespace
 
-namespace {
-
-std::vector<double> angles_of(const Ground& ground, const Hole& hole, const FillOptions& options) {
+Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options) {
+  check_counts(options, 3);
+  const Mesh& mesh = ground.mesh;
   const std::string method = options.method == automatic_method ? patch_method : options.method;
   const bool looks_for_sharp =
       options.surroundings == SurroundingsFrom::mesh && find_method(method).continuity != SeamContinuity::g0;
-  return looks_for_sharp ? sharp_sides_of(ground, hole) : std::vector<double>(3, 0.0);
-}
-
-}  // namespace
-
-Surroundings surroundings_of(const Ground& ground, Hole hole, const FillOptions& options) {
-  check_counts(options, 3);
-  std::vector<double> angles = angles_of(ground, hole, options);
-  const SideTerms terms = terms_of_sides(options.continuity, angles);
-  std::copy(terms.alone.begin(), terms.alone.end(), hole.alone.begin());
-  const Subdivision* const limit = options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr;
-  return surroundings_of(ground.mesh, ground.whole(), ground.left, hole, limit, ground.planes);
-}
-
-Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options) {
-  return fill_with_patch(ground, hole, options, surroundings_of(ground, hole, options));
-}
-
-Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options, const Surroundings& surroundings) {
-  const Mesh& mesh = ground.mesh;
-  std::vector<double> angles = angles_of(ground, hole, options);
+  std::vector<double> angles = looks_for_sharp ? sharp_sides_of(ground, hole) : std::vector<double>(3, 0.0);
   SideTerms terms = terms_of_sides(options.continuity, angles);
   std::copy(terms.alone.begin(), terms.alone.end(), hole.alone.begin());
   FillOptions own = options;
   own.continuity = BySide<SideContinuity>(std::move(terms.continuity));
+  const Surroundings surroundings =
+      surroundings_of(mesh, ground.whole(), ground.left, hole,
+                      options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr, ground.planes);
 
   MadePatch made = patch_without_folds(surroundings.sides, own);
   if (made.report.folds > 0 && may_follow_points(options))

@@ -35,7 +35,4 @@ std::optional<Fill> rows_on_surface(const Ground& ground, const Fill& rows, cons
 /// In the plane of a flat rim.
 Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options);
 
-/// The edges of the rim at which a fill meets the mesh at an angle.
-std::vector<std::array<Index, 2>> sharp_rim_edges(const Ground& ground, const Fill& fill);
-
 }  // namespace tripatch

@@ -6,9 +6,8 @@
 
 namespace tripatch {
 
-/// The most accurate valid fill that is found, with all candidates in its report. may_be_small: whether a hole of few edges may be closed
-/// without a patch.
-Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
-                          bool may_be_small = false);
+/// The most accurate valid fill that is found, with all candidates in its report.
+Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
+                          const FillOptions& options);
 
 }  // namespace tripatch

@@ -13,8 +13,6 @@ namespace tripatch {
 
 /// How far the new vertices of a fill are expected to be off, scene units. size: the diameter of the hole.
 double expected_error(const Fill& fill, double size);
-/// Of a patch at least, by how well the tangent planes beside it are known, in degrees.
-double least_error(double surroundings_error, double size);
 /// Whether nobody sees so small an error.
 bool is_negligible(double error, double size);
 
@@ -43,10 +41,6 @@ struct Strategy {
   /// Why it is not tried; empty: it is.
   std::string (*skips)(FillProblem&, const TriedFills& tried);
   Fill (*make)(FillProblem&, const TriedFills& tried);
-  /// Whether its fill, if valid, is used whatever others would be: they cost more than they are worth.
-  bool settles = false;
-  /// Of its expected error, before it is made: where this is no better than the best fill so far, it is not made. None: 0.
-  double (*lower_bound)(FillProblem&) = nullptr;
 };
 
 /// Tries the strategies in their order, cheapest first, until the expected error is negligible. size: the diameter of the hole.

@@ -1,7 +1,6 @@
 // The path of three sides: what surrounds them, the patch between them, the faces on it, and how well all that fits.
 #pragma once
 
-#include "tripatch/boundary/surroundings.h"
 #include "tripatch/cage/sided_rim.h"
 #include "tripatch/fill/ground.h"
 #include "tripatch/output/fill_result.h"
@@ -9,9 +8,6 @@
 namespace tripatch {
 
 Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options);
-/// The same, by what surrounds the hole if that is known.
-Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options, const Surroundings& surroundings);
-Surroundings surroundings_of(const Ground& ground, Hole hole, const FillOptions& options);
 
 /// Angles by side of a hole with three corners, as of sharp_sides.
 std::vector<double> sharp_sides_of(const Ground& ground, const Hole& hole);
