@@ -137,7 +137,7 @@ def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, 
         first = int(loop[0])
         place = {"hole": k, "vertex": first, "edges": len(loop), "diameter": _diameter(vertices[loop])}
         if first not in meant:
-            outer = reasons[first].startswith(OUTER)
+            outer = reasons[first] == OUTER
             line = record.of_hole(settings, name, **place, outer=outer, status=record.LEFT, reason=reasons[first])
         elif settings.mode == LIST:
             no_hole = holes.refused.get(meant[first])
