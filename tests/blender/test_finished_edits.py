@@ -19,12 +19,12 @@ def left(ob):
     """How an operator has left a mesh in edit mode."""
     mesh = ob.data
     bm = bmesh.from_edit_mesh(mesh)
-    elements = (bm.verts, bm.edges, bm.faces)
+    elements, history = (bm.verts, bm.edges, bm.faces), bm.select_history
     of_selection = [[e.select for e in each] for each in elements]
     found = {
         "numbered": [[e.index for e in each] == list(range(len(each))) for each in elements],
         "counted": [mesh.total_vert_sel, mesh.total_edge_sel, mesh.total_face_sel] == [sum(each) for each in of_selection],
-        "history": [e for e in bm.select_history if not e.select],
+        "history": [e for e in map(history.__getitem__, range(len(history))) if not e.select],  # Blender 4.3 cannot iterate
         "hidden and selected": [e for each in elements for e in each if e.hide and e.select],
     }
     facing = [*bm.verts, *bm.faces]
