@@ -167,7 +167,7 @@ def test_a_modifier_that_needs_the_mesh_itself_is_named_and_nothing_is_left(live
     ob.modifiers.new("Subdivision", "SUBSURF")
     names = set(bpy.data.objects.keys()), set(bpy.data.meshes.keys())
     scenes.edit(ob)
-    with pytest.raises(RuntimeError, match="The modifier 'Own' of Hole needs the object's own mesh, .*; turn off Keep Live"):
+    with pytest.raises(RuntimeError, match="The modifier 'Own' of Hole must be the first, .*; turn off Keep Live"):
         bpy.ops.mesh.fill_smooth(keep_live=True)
     assert (set(bpy.data.objects.keys()), set(bpy.data.meshes.keys())) == names
     assert [m.name for m in ob.modifiers] == ["Own", "Subdivision"]
