@@ -171,7 +171,7 @@ def _patch_and_triangles(sides, drawn, arguments, progress=None):
         warnings.simplefilter("always")
         patch = tripatch.patch(sides, **arguments, progress=progress)
     barycentric, faces = patch.triangles(drawn)
-    return patch, patch.evaluate(barycentric), faces, [each.message.args[0] for each in told]
+    return patch, patch.evaluate(barycentric), faces, [each.message.args[0] for each in told if isinstance(each.message, Warning)]
 
 
 def curves_of(objects):

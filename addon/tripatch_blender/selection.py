@@ -457,9 +457,10 @@ def span(rims, edges, offset):
     for rim in rims:
         count, half = len(rim.loop), len(rim.loop) // 2
         if not rim.corners and not (rim.islands or rim.round or count % 2) and 0 < edges < half:
-            turning = _turning(coordinates(rim.loop))
             steps = [0, edges, half, half + edges]
-            first = rim.loop.index(rim.first) if rim.first else int(sum(np.roll(turning, -k) for k in steps)[:half].argmax())
+            turning = _turning(coordinates(rim.loop))
+            most = int(np.sum([np.roll(turning, -k) for k in steps], axis=0)[:half].argmax())
+            first = rim.loop.index(rim.first) if rim.first else most
             rim.corners = [rim.loop[(first + k) % count] for k in steps]
         rim.corners = [rim.loop[(rim.loop.index(v) + offset) % count] for v in rim.corners]
         rim.first = None if offset else rim.first
