@@ -37,7 +37,7 @@ def enable_addon():
 
 def chosen():
     names = sys.argv[sys.argv.index(str(FOLDER)) + 1 :] if str(FOLDER) in sys.argv else []
-    return [s for s in scenarios.ALL + scenarios.PICTURES if s.__name__ in names] or scenarios.ALL
+    return [s for s in scenarios.ALL + scenarios.PICTURES if s.__name__ in names] or scenarios.ALL[:]
 
 
 class Run:
@@ -45,7 +45,7 @@ class Run:
 
     def __init__(self):
         enable_addon()
-        self.window, self.left, self.failed = Window(), chosen(), []
+        self.window, self.left, self.passed, self.failed = Window(), chosen(), [], []
         self.name, self.steps = "", iter(())
 
     def step(self):
@@ -53,6 +53,8 @@ class Run:
         try:
             wait = next(self.steps)
         except StopIteration:
+            if self.name:
+                self.passed.append(self.name)
             return self._begin()
         except Exception:
             traceback.print_exc()
@@ -89,7 +91,8 @@ def tick():
     except Exception:
         traceback.print_exc()
         code = 1
-    print(f"window: {len(chosen()) - len(run.failed) if run else 0} scenarios passed", flush=True)
+    if run:
+        print(f"window: {len(run.passed)} scenarios passed, {len(run.failed)} failed", flush=True)
     sys.stdout.flush()
     os._exit(code)  # no question about the unsaved file
 
