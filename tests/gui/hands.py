@@ -83,6 +83,17 @@ class Window:
         yield
         yield
 
+    def choose_from_below(self, number):
+        """Of the menu that is open, the entry with this number from below, by keys: where it is differs between Blenders."""
+        self.press("END")
+        yield
+        for _ in range(number - 1):
+            self.press("UP_ARROW")
+            yield
+        self.press("RET")
+        yield
+        yield
+
     def text(self, letters):
         for letter in letters:
             key = _KEYS.get(letter, letter.upper())
@@ -104,10 +115,10 @@ class Window:
         at = location_3d_to_region_2d(region, self.area().spaces.active.region_3d, Vector(point))
         return region.x + at.x, region.y + at.y
 
-    def shot(self, name):
-        """What the window shows at this moment (height, width, 3), the lowest row first; into the folder."""
+    def shot(self, name, window=None):
+        """What the window, or another one, shows at this moment (height, width, 3), the lowest row first; into the folder."""
         path = str(FOLDER / f"{name}.png")
-        with bpy.context.temp_override(window=self.window, screen=self.window.screen):
+        with bpy.context.temp_override(window=window or self.window):
             bpy.ops.screen.screenshot(filepath=path)
         image = bpy.data.images.load(path)
         width, height = image.size
@@ -179,7 +190,13 @@ def last_operator():
 
 
 def clear(w):
-    """An empty scene in object mode."""
+    """An empty scene in object mode, no other window, and the operator with its defaults instead of what it was last given."""
+    for window in bpy.context.window_manager.windows[1:]:
+        with bpy.context.temp_override(window=window):
+            bpy.ops.wm.window_close()
+    kept = bpy.context.window_manager.operator_properties_last("mesh.fill_smooth")
+    for name in list(kept.keys()):
+        kept.property_unset(name)
     with w.override():
         if bpy.context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")

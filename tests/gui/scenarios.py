@@ -54,7 +54,7 @@ def face_menu(w):
     place = FACE_MENU[0], header.y + header.height - FACE_MENU[1]
     yield from w.click_at(*place)
     yield from w.picture("blender-face-menu")
-    yield from w.click_at(590, 295)  # Fill Holes Smoothly, the third from below
+    yield from w.choose_from_below(3)
     assert last_operator() and last_operator().bl_idname == "MESH_OT_fill_smooth", "the entry of the Face menu fills"
     assert counts()[1] == 0 and _is_filled(before)
     yield from w.picture("filled-from-the-menu")
@@ -160,9 +160,6 @@ def filters(w):
         yield from w.click_at(hud.x + 131, hud.y + 18 + 9 * 23 - 3)
         yield from w.picture("holes-filtered")
         assert last_operator().use_max_edges, "the filter is on"
-    with w.override():  # the operator keeps both for what follows
-        bpy.ops.ed.undo()
-        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, use_max_edges=False, show_holes=False)
 
 
 def undo_and_redo(w):
@@ -188,7 +185,6 @@ def shaded_at_once(w):
     """In edit mode, right after the fill, a ball is shaded as when the mode has changed."""
     ball(w)
     with w.override():
-        w.area().spaces.active.overlay.show_edges = False
         w.area().spaces.active.overlay.show_faces = False
     yield
     yield from _fill_by_key(w)
@@ -238,11 +234,7 @@ def clean_up_menu(w):
     yield
     yield
     yield from w.picture("blender-clean-up-menu")
-    w.press("UP_ARROW")  # to the last entry
-    yield
-    w.press("RET")
-    yield
-    yield
+    yield from w.choose_from_below(1)
     assert last_operator().bl_idname == "MESH_OT_fill_smooth" and _is_filled(before)
 
 
@@ -269,12 +261,7 @@ def preferences(w):
     addon_utils.module_bl_info(listed)["show_expanded"] = True
     yield
     yield
-    window = bpy.context.window_manager.windows[-1]
-    path = str(FOLDER / "blender-preferences.png")
-    with bpy.context.temp_override(window=window, screen=window.screen):
-        bpy.ops.screen.screenshot(filepath=path)
-        bpy.ops.wm.window_close()
-    yield
+    w.shot("blender-preferences", bpy.context.window_manager.windows[-1])
 
 
 def context_menu(w):
@@ -287,11 +274,7 @@ def context_menu(w):
     yield
     yield
     yield from w.picture("blender-context-menu")
-    w.move(440, 68)  # Fill Holes Smoothly, the third from below
-    yield
-    w.click()
-    yield
-    yield
+    yield from w.choose_from_below(3)
     assert last_operator().bl_idname == "MESH_OT_fill_smooth" and _is_filled(before)
 
 
@@ -306,11 +289,11 @@ def refusal_and_correction(w):
     yield from _open_panel(w)
     yield from w.picture("blender-refusal")
     assert counts() == before, "nothing but the selection has changed"
-    assert "Rim has 4 corners" in last_operator().reasons
+    assert "the hole has 4" in last_operator().reasons
     assert sum(v.select for v in mesh().verts) == 4, "the corners are selected"
     if PANELS:  # a script cannot open them
         hud = w.region("HUD")
-        place = hud.x + 20, hud.y + 20
+        place = hud.x + 20, hud.y + 45  # Advanced, in the second row
         yield from w.click_at(*place)
         yield from w.picture("blender-refusal-unfolded")
     hud = w.region("HUD")
@@ -754,8 +737,8 @@ def long_redo(w):
     with w.override():
         bpy.ops.ed.undo_push(message="Sheet")  # to which the last step goes back
     before = counts()
-    with w.override():  # the Density that was chosen before stays, if nothing else is asked for
-        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, resolution=0, output="triangles")
+    with w.override():
+        bpy.ops.mesh.fill_smooth("INVOKE_DEFAULT", True, output="triangles")
     yield
     filled = counts()
     assert _is_filled(before)
@@ -1089,6 +1072,6 @@ ALL = [
     blended_patches,
     switched_off,
     live_fill_played,
-    live_fill,  # the operator keeps Keep Live for what follows
+    live_fill,
     save_and_reopen,  # the last: the window has another file then
 ]
