@@ -295,6 +295,9 @@ def refusal_and_correction(w):
         hud = w.region("HUD")
         place = hud.x + 20, hud.y + 45  # Advanced, in the second row
         yield from w.click_at(*place)
+        for _ in range(5):  # to its end: with other parts unfolded the panel is higher than the window
+            w.press("WHEELDOWNMOUSE")
+            yield
         yield from w.picture("blender-refusal-unfolded")
     hud = w.region("HUD")
     place = hud.x + 160, hud.y + 18 + (26 if PANELS else 23) * 10  # Automatic, in the eleventh row from below
