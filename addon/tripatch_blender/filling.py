@@ -402,11 +402,6 @@ def _plans(bm, rims, there, world, keys, options, around, cage, progress):
     return results
 
 
-def _is_cage_in_rows(plan):
-    """Whether rows of quads go on in a cage, which they do where no corners are given."""
-    return plan.cage and plan.fill.report.method_reason.startswith("rows of quads")
-
-
 def by_method(method, arguments):
     """The arguments of the method that auto took, which said of the others that it did not apply them."""
     left_out = {"cap", *tripatch.options.not_taken(method, arguments)}
@@ -415,7 +410,7 @@ def by_method(method, arguments):
 
 def _asked_corners(plan, rim):
     """The corners with which the same hole is filled in another shape, so that auto takes the same way."""
-    if _is_cage_in_rows(plan):
+    if plan.fill.report.cage_in_rows:  # which needs a hole without given corners
         return None
     if plan.fill.report.corners or plan.cage or rim.round:
         return plan.fill.report.corners

@@ -187,6 +187,7 @@ class Report:
     seam_angle_median: float
     seam_angle_max_inside: float
     rows: int
+    cage_in_rows: bool
     poles: list[list[int]]
     warnings: list[Message]
     not_applied: dict[str, str]

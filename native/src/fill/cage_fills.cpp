@@ -311,6 +311,7 @@ private:
         tell_distance(cages_.tolerance(h), report);
         tell_run_off(ground_, holes_[h], cages_.laid_out(h), cages_.inside(h), options_, report);
       }
+      report.cage_in_rows = in_rows_;
       if (in_rows_)
         report.method_reason = rows_reason;
       else if (placed_ && !likelier_)

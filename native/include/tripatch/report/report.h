@@ -93,6 +93,7 @@ struct Report {
   double seam_angle_median = 0;
   double seam_angle_max_inside = 0;  ///< without the rim edges that touch a corner
   int rows = 0;                      ///< quads and cages: extra rows of quads round the poles that were taken
+  bool cage_in_rows = false;         ///< cages: the rows of quads around the hole continue across it
   bool crosses_itself = false;  ///< new faces go through each other (report/crossings.h); of a cage those of its limit surface
   std::vector<std::array<Index, 2>> poles;  ///< vertex, valence
   Messages warnings;
