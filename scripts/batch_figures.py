@@ -2,8 +2,8 @@
 
     python scripts/batch_figures.py [--files 1000] [--workers 2] [--kill] [--sheet PNG]
 
---kill: a process and then the whole run are killed half-way, and the run goes on: the night's test with --files 10000. Figures
-are CPU seconds of all processes together, which other work on the machine changes little; wall seconds beside them.
+--kill: a process and then the whole run are killed half-way, and the run continues: the night's test with --files 10000. Figures
+are CPU seconds of all processes together, which other work on the machine changes little; wall seconds next to them.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def batch(folder: Path, out: Path, workers: int, *more: str) -> list[str]:
 
 
 def killed_half_way(folder: Path, out: Path, count: int, workers: int) -> None:
-    """A process that fills is killed at a quarter, the run at a half; then it goes on to the end."""
+    """A process that fills is killed at a quarter, the run at a half; then it continues to the end."""
 
     def done() -> int:
         return sum(1 for _ in out.rglob("*.obj"))

@@ -1,7 +1,7 @@
 """How far fills change when their mesh is turned, scaled or moved, on random holes: the larger ones are named by their seeds.
 
 Of each fill: turned at random; 2.7 times, 1e9 times and 1.3e-9 times as large; moved by three sizes of the hole and by a million.
-A million sizes off coordinates are rounded at 1e-10 of the hole; beside that fill stands what it would be near the origin, of
+A million sizes off coordinates are rounded at 1e-10 of the hole; next to that fill stands what it would be near the origin, of
 coordinates rounded in the same way: "far, but for that" tells what the place alone does.
 """
 

@@ -50,7 +50,7 @@ def with_edges(image, vertices, faces, toward, lines):
 
 
 def drawn(task):
-    """(h, w, 3) bytes: three pictures beside each other."""
+    """(h, w, 3) bytes: three pictures next to each other."""
     ob = task.ob
     bm = bmesh.from_edit_mesh(ob.data)
     bm.normal_update()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fills on the limit surface of a cage: a mesh object beside the original, as a cage's vertices do not lie on its surface."""
+"""Fills on the limit surface of a cage: a mesh object next to the original, as a cage's vertices do not lie on its surface."""
 
 from __future__ import annotations
 

@@ -115,7 +115,7 @@ def weights_of(ob):
 
 
 def set_weights(ob, values):
-    """Makes a live blend anew with other weights."""
+    """Makes a live blend again with other weights."""
     if live.is_blend(ob) and list(values) != weights_of(ob):
         live.reshape(ob, values)
 

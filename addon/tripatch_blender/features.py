@@ -38,7 +38,7 @@ def sharpen_rim(bm, joined, rim):
 
 
 def _ends(edges, rim, new):
-    """{vertex of the rim at which a feature ends: the edge outside that it goes on as}"""
+    """{vertex of the rim at which a feature ends: the edge outside that it continues as}"""
     around, found = {frozenset(pair) for pair in zip(rim, rim[1:] + rim[:1], strict=True)}, {}
     for vertex in rim:
         own = [edge for edge in vertex.link_edges if edge in edges]

@@ -27,7 +27,7 @@ class Options:
 
 def going_on(corners):
     """What holes are filled with where a person has not chosen, as arguments of tripatch.fill: with what they lie among. corners:
-    as selection.beside counts them."""
+    as selection.next to counts them."""
     if not corners or corners[3] > corners[4]:
         return {"output": "triangles"}
     # What lies around stays quads: where an edge is split, one becomes a pentagon.
@@ -200,8 +200,8 @@ class _ToObject:
 
 
 def _tangent(report):
-    """By side whether a fill is tangent to its surroundings; empty for one of no sides, such as the spline, or quads that go on
-    as a grid."""
+    """By side whether a fill is tangent to its surroundings; empty for one of no sides, such as the spline, or quads that
+    continue as a grid."""
     if report.method == "polyharmonic_spline" or len(report.continuity) != max(len(report.corners), 1):
         return ()
     return tuple(each in ("G1", "G2") for each in report.continuity)
@@ -451,7 +451,7 @@ def _plan_shape_key(bm, rims, results, name, shape, arguments, world):
         return zip(keys, found, strict=True)
 
     # What auto takes may differ from shape to shape: then the hole gets what it has in the mesh, by its name. Cages are compared
-    # by their faces, since one that auto puts where the faces around go on is no method's own.
+    # by their faces, since one that auto puts where the faces around continue is no method's own.
     asked = {k: _asked_corners(plan, rims[k]) for k, plan in left.items() if k not in made}
     made |= {k: each for k, each in fill([*asked], asked, arguments) if left[k].cage or _is_alike(left[k], each, arguments)}
     if arguments.get("method", "auto") == "auto":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""When live fills and Smooth Fill nodes are filled anew: after a change, ten times a second at most. Files without any cost
+"""When live fills and Smooth Fill nodes are filled again: after a change, ten times a second at most. Files without any cost
 nothing, and files with some nothing while nothing changes."""
 
 import time
@@ -100,7 +100,7 @@ def _stop_timer():
 
 
 def _tick():
-    """Fills anew what has changed; comes again only if something is left."""
+    """Fills again what has changed; comes again only if something is left."""
     return 1.0 if versions.is_rendering() else _fill_pending()
 
 
@@ -113,7 +113,7 @@ def _at_once():
 
 
 def _fill_pending():
-    """Fills anew what has changed. Returns the seconds until what is left, or None."""
+    """Fills again what has changed. Returns the seconds until what is left, or None."""
     began = time.perf_counter()
     if _following.stale or not all(map(_fill, _following.pending)):
         _following.stale = False
@@ -158,7 +158,7 @@ def follow_node(name):
 
 
 def follow(name):
-    """Fills a live fill anew if what it follows has changed; whether it did."""
+    """Fills a live fill again if what it follows has changed; whether it did."""
     fill = _fill(name)
     if fill is None:
         return False

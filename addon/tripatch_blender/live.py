@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live fills: objects of their own that are filled anew when what lies around them changes.
+"""Live fills: objects of their own that are filled again when what lies around them changes.
 
 What a live fill needs is in custom properties of its object, so that it is saved, copied and undone with it: the objects around
 by pointer, all else as text. Without the add-on it is a mesh object like any other.
@@ -223,7 +223,7 @@ def _filled(ob, bm, mesh, settings, options, active=None):
 
 
 def _fill_hole(fill, settings):
-    """Fills the mesh of a live fill of a hole anew; returns the filling.Outcome."""
+    """Fills the mesh of a live fill of a hole again; returns the filling.Outcome."""
     (ob,) = around(fill)
     (bm, stand_ins), options = copies.copy(ob), _options(settings)
     try:
@@ -265,7 +265,7 @@ def _smooth(fill, settings):
 
 
 def _follow(fill):
-    """Fills anew; returns what became of it. UnusableError or ValueError if it cannot be filled, and nothing has changed."""
+    """Fills again; returns what became of it. UnusableError or ValueError if it cannot be filled, and nothing has changed."""
     settings, outcome = settings_of(fill), None
     if settings["kind"] == "hole":
         outcome = _fill_hole(fill, settings)
@@ -281,7 +281,7 @@ def _follow(fill):
 
 
 def refill(fill):
-    """Fills anew. A fill that fails leaves the last good one. Returns the sentence of a failure, or nothing."""
+    """Fills again. A fill that fails leaves the last good one. Returns the sentence of a failure, or nothing."""
     try:
         _follow(fill)
     except (UnusableError, tripatch.Refusal, ValueError) as reason:  # and InvalidArgument
@@ -387,7 +387,7 @@ def is_blend(ob):
 
 
 def reshape(fill, shape):
-    """Gives a blend other weights lambda, by side, and makes it anew; the sentence of a failure, or nothing."""
+    """Gives a blend other weights lambda, by side, and makes it again; the sentence of a failure, or nothing."""
     settings = settings_of(fill)
     settings["blend"]["shape"] = list(shape)
     fill[_SETTINGS] = json.dumps(settings)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live fills in the interface: apply, fill anew, and a list in the sidebar that says what could not be followed."""
+"""Live fills in the interface: apply, fill again, and a list in the sidebar that says what could not be followed."""
 
 from typing import Any
 

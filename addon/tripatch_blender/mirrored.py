@@ -319,8 +319,8 @@ def _put_shapes_on(bm, faces, plane, chain):
 
 
 class _NormalsOnPlane:
-    """Custom normals are told from the faces around a vertex: while images are there they are told anew, and once more when these
-    are gone."""
+    """Custom normals come from the faces around a vertex: they are computed again while images are there, and once more when
+    these are gone."""
 
     def __init__(self, bm, mesh, planes, ends):
         self._bm, self._mesh, self._planes, self._ends = bm, mesh, planes, ends

@@ -27,7 +27,7 @@ _GIVEN = {
     "Density": (0, 0, "Edges of the new triangles along a side, or extra rows of quads (0: as the boundary)"),
     "Bulge": (1.0, 0.0, "How far the fill bulges (1: as the surrounding surface goes on)"),
 }
-#: What inputs are told apart by: the mean of the positions along a direction that no symmetry of a model has.
+#: What inputs are distinguished by: the mean of the positions along a direction that no symmetry of a model has.
 _ALONG = (0.5403, 0.2919, 0.7892)
 #: Of the size of an input: by how much that mean may differ, which Blender computes in single precision.
 _SAME = 1e-5

@@ -174,7 +174,7 @@ class FillSmooth(Construction, waiting.Waiting):
         default=False,
     )
     computed_output: StringProperty(options=_HIDDEN)  # what "auto" means for this selection
-    # What was computed the last time: a value that is still the same was not chosen by anyone, and is computed anew.
+    # What was computed the last time: a value that is still the same was not chosen by anyone, and is computed again.
     computed_odd: StringProperty(options={"HIDDEN"})
     computed_resolution: IntProperty(default=0, options={"HIDDEN"})
     computed_rows: IntProperty(default=-1, options={"HIDDEN"})
@@ -207,7 +207,7 @@ class FillSmooth(Construction, waiting.Waiting):
         return "resolution" if self.faces() == "triangles" else "rows"
 
     def _no_density(self):
-        """Its value until something has been filled: it says nothing, and is not shown beside a refusal."""
+        """Its value until something has been filled: it says nothing, and is not shown next to a refusal."""
         return 0 if self.faces() == "triangles" else -1
 
     def draw(self, context):

@@ -134,7 +134,7 @@ def _objects(context):
 
 
 def _drawn(ob, depsgraph, settings):
-    """What is on the card for an object, made anew where it has changed; None where there is nothing."""
+    """What is on the card for an object, made again where it has changed; None where there is nothing."""
     turn = [tuple(row[:3]) for row in ob.matrix_world][:3]
     known = _state.drawn.get(ob.name)
     stale = ob.name in _state.changed or (ob.data and ob.data.name in _state.changed)
@@ -247,7 +247,7 @@ def _draw_text():
 
 @persistent
 def _on_change(_scene, depsgraph):
-    """What was changed is made anew when it is next drawn."""
+    """What was changed is made again when it is next drawn."""
     for update in depsgraph.updates:
         if update.is_updated_geometry:
             _state.changed.add(update.id.name)

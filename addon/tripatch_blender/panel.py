@@ -29,8 +29,8 @@ class Rows:
             made.prop(self._operator, name, **given)
 
     def choices(self, name, labels, heading=None, active=True):
-        """Buttons for some values of a choice. labels: {value: what the button says}; heading: two in a row beside it; none: each
-        below the other."""
+        """Buttons for some values of a choice. labels: {value: what the button says}; heading: two in a row, next to it; none:
+        each below the other."""
         if self._layout is None:
             return
         made = self._layout
@@ -58,7 +58,7 @@ class Rows:
             self._layout.label(text=text)
 
     def optional(self, switch, name):
-        """A number beside the box that says whether it counts."""
+        """A number next to the box that says whether it counts."""
         if self._layout is None:
             return
         prop = self._operator.properties.bl_rna.properties[switch]
@@ -89,7 +89,7 @@ def folded(operator, name, label):
 
 
 def _lines(context, text, beside, width=None):
-    """A sentence in lines as wide as the panel. beside: pixels that are taken; width: of a panel that is no region, at the scale
+    """A sentence in lines as wide as the panel. next to: pixels that are taken; width: of a panel that is no region, at the scale
     1."""
     region = context.region
     if width is None:

@@ -86,7 +86,7 @@ class Shaping:
         self._before = None
 
     def set_arguments(self, given):
-        """Of tripatch.fill, in place of those that go on with what lies around."""
+        """Of tripatch.fill, in place of those that continue with what lies around."""
         self.arguments = self._going_on | given
 
     def _start_corners(self, rim):
@@ -325,7 +325,7 @@ class Shaping:
         return filling.fill_rims(bm, ob.data, matrix, [rim], options, active)
 
 
-#: How large arrows are beside Blender's own, and how small they get in a hole that is small in the view.
+#: How large arrows are next to Blender's own, and how small they get in a hole that is small in the view.
 LARGE, SMALL = 0.9, 0.1
 
 

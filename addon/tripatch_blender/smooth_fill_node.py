@@ -34,7 +34,7 @@ _registered: list[type] = []
 
 
 def register():
-    # anew each time: Blender 5.2 makes another type of a node's base when a class of it is unregistered
+    # again each time: Blender 5.2 makes another type of a node's base when a class of it is unregistered
     node = type(node_fills.ID, (_SmoothFill, bpy.types.GeometryNodeCustomGroup), {"__doc__": _SmoothFill.__doc__})
     bpy.utils.register_class(node)
     _registered.append(node)

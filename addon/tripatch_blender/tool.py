@@ -77,7 +77,7 @@ def stop():
 
 
 def changed():
-    """After the fill was made anew."""
+    """After the fill was made again."""
     _state.drawn = None
     _state.problem = sentences.for_people(_state.shaping.refusal or "") if _state.shaping else ""
     overlay.redraw()
@@ -138,7 +138,7 @@ def _draw():
 
 
 def label_places(context):
-    """[(point in the world, "G0", "G1" or "G2")] beside the parts of the rim, outside the hole."""
+    """[(point in the world, "G0", "G1" or "G2")] next to the parts of the rim, outside the hole."""
     made = current()
     shown = made.continuities() if made else []
     sides = made.side_handles() if made else []
@@ -199,7 +199,7 @@ class TripatchTool(bpy.types.PropertyGroup):
         get=lambda settings: [name for name, *_ in _OUTPUTS].index(_output(settings)),
         set=lambda settings, place: _choose_output(settings, _OUTPUTS[place][0]),
     )
-    chosen: StringProperty(options={"HIDDEN"})  # of these, by a person; none: what goes on with the faces around
+    chosen: StringProperty(options={"HIDDEN"})  # of these, by a person; none: what continues with the faces around
     round: BoolProperty(
         name="Round",
         description="Remove all corners: the fill leaves the boundary evenly",

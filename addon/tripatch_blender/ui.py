@@ -40,7 +40,7 @@ _keys = []
 
 
 def _propose_key():
-    """Ctrl-Alt-F, beside F, Alt-F and Ctrl-F, is free in Blender's own key maps of edit mode."""
+    """Ctrl-Alt-F, next to F, Alt-F and Ctrl-F, is free in Blender's own key maps of edit mode."""
     configuration = bpy.context.window_manager.keyconfigs.addon
     if configuration:  # not in background
         keymap = configuration.keymaps.new(name="Mesh", space_type="EMPTY")

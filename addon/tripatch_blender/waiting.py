@@ -39,7 +39,7 @@ class Ends(Exception):
 
 
 class TakesLong(Ends):
-    """Its fill goes on in a thread."""
+    """Its fill continues in a thread."""
 
 
 class _Stopped(Exception):

@@ -289,8 +289,8 @@ def layers_of_fills(bm, deviation=False):
 
 
 def _write_deviation(bm, planned, new_faces):
-    """How well each new vertex is known, one standard deviation in units of the scene, or NOT_KNOWN; new faces are told from
-    measured ones."""
+    """Stores the error estimate of each new vertex, one standard deviation in units of the scene, or NOT_KNOWN, and marks the new
+    faces."""
     known, marked = bm.verts.layers.float[DEVIATION], versions.boolean_layers(bm.faces.layers)[RECONSTRUCTED]
     rim = set(planned.loop)
     deviation = planned.fill.deviation

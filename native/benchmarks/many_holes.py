@@ -1,4 +1,4 @@
-"""Times fills in a mesh that is large beside its holes: a height field of a million vertices with 900 three-sided holes.
+"""Times fills in a mesh that is large next to its holes: a height field of a million vertices with 900 three-sided holes.
 
     python many_holes.py [--cells N] [--holes K] [--side E]
 

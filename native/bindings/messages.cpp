@@ -1,4 +1,4 @@
-// What users are told: messages become str objects with a code, and the table of sentences is Python's to read.
+// What users read: messages become str objects with a code, and the table of sentences is Python's to read.
 #include "tripatch/messages.h"
 
 #include "bindings.h"

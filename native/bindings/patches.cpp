@@ -21,7 +21,7 @@ namespace {
 /// Of the larger of both: what a derivative that is given may differ from that of the curve. Differences of doubles are off by 1e-8.
 constexpr double same_derivative = 1e-5;
 /// Where they are compared, and at how many of these places they may differ: edges of CAD programs change their speed at once where
-/// faces beside them end, and a polynomial has no two derivatives there.
+/// faces next to them end, and a polynomial has no two derivatives there.
 constexpr int derivative_places = 64, most_kinks = 8;
 
 /// A Python callable of t (k,) -> (k, 3) as a field of the side.

@@ -170,7 +170,7 @@ std::vector<std::string> not_taken(const Method& method, const FillOptions& give
     const Option& option = option_named(name);
     if ((option.patch || !patch) && is_of_output(option, given.output) && !takes(method, option)) names.emplace_back(name);
   };
-  // the surface of the surroundings as a whole meets all of them in one way, rows only go on
+  // the surface that continues all surroundings meets all of them in one way, rows only continue
   const std::string name = method.name;
   if (name == spline_method && !is_plain(given.continuity, plain.continuity)) names.emplace_back("continuity");
   if (name == rows_method && meets_position_only(given)) names.emplace_back("continuity");
@@ -193,7 +193,7 @@ std::vector<std::string> owners(const std::string& name) {
 }
 
 /// Of names that a method, which is named, does not read: those that several constructions of patches read and this one, another, does not.
-/// They are told; who names the method by its paper may have the same options for all.
+/// They are reported; who names the method by its paper may have the same options for all.
 bool is_told(const Method& method, const std::string& name) {
   const bool between_sides = method.from_boundary || method.name == std::string(polygon_method);
   return between_sides && named_by(option_named(name.c_str())).size() > 1;

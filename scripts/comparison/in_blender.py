@@ -1,4 +1,4 @@
-"""Times of Smooth Fill beside Grid Fill, and of its sliders, in a Blender; run inside of one by speed.py, prints JSON.
+"""Times of Smooth Fill next to Grid Fill, and of its sliders, in a Blender; run inside of one by speed.py, prints JSON.
 
 blender --background --factory-startup --python scripts/comparison/in_blender.py -- PACKAGES OCTANT REPETITIONS
 

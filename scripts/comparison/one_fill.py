@@ -37,7 +37,7 @@ def main() -> None:
 
     hole = holes.sphere(edges)
     fill(holes.sphere(8))  # what is made once is made
-    Path("/proc/self/clear_refs").write_text("5")  # the peak begins anew
+    Path("/proc/self/clear_refs").write_text("5")  # the peak begins again
     before = memory("VmRSS")
     made = fill(hole)
     beyond = memory("VmHWM") - before - arrays(made)

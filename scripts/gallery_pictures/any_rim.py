@@ -183,7 +183,7 @@ def polygons(figure, place, vertices, faces, new, title, view, zoom=1.25):
 
 
 def draw_grown(path):
-    """Blobs of quads that are taken out: the hole, triangles, quads that go on."""
+    """Blobs of quads that are taken out: the hole, triangles, quads that continue."""
     n = 14
     x, y = (c.ravel() for c in np.meshgrid(np.linspace(-1, 1, n + 1), np.linspace(-1, 1, n + 1)))
     sheet = np.column_stack([x, y, 0.25 * np.sin(2 * x) * np.cos(2 * y)])
@@ -239,7 +239,7 @@ def bevelled_box_without_a_corner(n, straight):
 
 
 def draw_rows(path):
-    """Quads out of a bevelled edge, a bent tube and the corner of a box: the hole, the surface over a plane, rows that go on."""
+    """Quads out of a bevelled edge, a bent tube and the corner of a box: the hole, the surface over a plane, continued rows."""
 
     def bevel(i, j):
         k = i.astype(int)

@@ -46,7 +46,7 @@ def flat(scene, vertices, faces, color):
 
 
 def labels(axes, scene, sides, corners):
-    """The words beside what they name."""
+    """The words next to what they name."""
     middle = corners.mean(0)
     for i, corner in enumerate(corners):
         x, y = scene.pixels(corner - 0.22 * (middle - corner), *SIZE)

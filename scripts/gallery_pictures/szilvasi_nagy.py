@@ -134,7 +134,7 @@ HOLLOW, FULL = (0.6, 0.2), (0.12, 0.0)
 def prism(inner=(HOLLOW, HOLLOW, HOLLOW)):
     """Constituents for the open corner of a prism: corners on its edges, patch i touches face i along side i.
 
-    inner[i]: where in face i the two other control points of patch i lie, along the edge beside them and into the face.
+    inner[i]: where in face i the two other control points of patch i lie, along the edge next to them and into the face.
     """
     corners = -np.eye(3)
     patches = []

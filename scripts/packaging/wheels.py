@@ -45,7 +45,7 @@ def package_files() -> dict[str, bytes]:
 
 
 def metadata() -> bytes:
-    """What Python's package index is told."""
+    """What Python's package index gets to know."""
     import pyproject_metadata
 
     return bytes(pyproject_metadata.StandardMetadata.from_pyproject(PROJECT, ROOT).as_rfc822())

@@ -77,7 +77,7 @@ def live(addon):
 
 @pytest.fixture
 def following(addon):
-    """Its module that fills them anew, which follows nothing before and after."""
+    """Its module that fills them again, which follows nothing before and after."""
     module = sys.modules[addon.__name__ + ".following"]
     module._on_load()
     yield module

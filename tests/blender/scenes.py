@@ -152,7 +152,7 @@ def arrays(ob):
     mesh, state = ob.data, {}
     for attribute in mesh.attributes:
         if attribute.domain in {"POINT", "EDGE", "FACE", "CORNER"} and not attribute.name.startswith("."):
-            # numbers, not vectors: the rows of a matrix go on reading its memory
+            # numbers, not vectors: the rows of a matrix continue reading its memory
             state[attribute.name] = [
                 np.ravel(getattr(d, _field(d))).tolist() if _long(d) else getattr(d, _field(d)) for d in attribute.data
             ]

@@ -20,7 +20,7 @@ class Task:
     far: object  # far(points (k, 3)) -> distances (k,) to the surface that was there, or that anyone would expect
     size: float  # of the hole
     within: float = 0.02  # of the size: the fill is nowhere farther off
-    bend: float = 45.0  # degrees between two faces of the fill, or one of it and one beside it, at most
+    bend: float = 45.0  # degrees between two faces of the fill, or one of it and one next to it, at most
     left: int = 0  # border edges that stay
     crossed: int = 0  # faces of a cage that cross themselves, at most
     options: dict = field(default_factory=dict)

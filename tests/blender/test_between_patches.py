@@ -290,7 +290,7 @@ def test_two_objects_with_a_side_each():
 
 
 def test_more_objects_than_sides():
-    """Two of five go on smoothly one after the other: four sides, and a fill as with one object in their place."""
+    """Two of five continue smoothly one after the other: four sides, and a fill as with one object in their place."""
     corners = np.array([(1.0, 0, 0), (0, 1, 0.2), (-1, 0, 0), (0, -1, 0.2)])
 
     def sheet(name, a, b, out):
@@ -327,7 +327,7 @@ def test_patches_that_overlap():
 
 
 def cut_back(points, before, after):
-    """A bilinear surface through the corners of another, which goes on beyond its edge v = 0 at both ends."""
+    """A bilinear surface through the corners of another, which continues beyond its edge v = 0 at both ends."""
     a, b = points[0, 0], points[-1, 0]
     u = np.linspace(-before, 1 + after, 4)
     return a + u[:, None, None] * (b - a) + np.linspace(0, 1, 4)[None, :, None] * (points[2, -1] - points[2, 0])
@@ -335,7 +335,7 @@ def cut_back(points, before, after):
 
 @pytest.mark.parametrize("beyond", [((0.5, 0.3), (0, 0), (0, 0)), ((0, 0.4), (0.3, 0), (0, 0.2)), ((0.4, 0.4),) * 3])
 def test_pieces_of_edges(beyond):
-    """Edges that go on beyond the hole: ends meet somewhere along them, or two edges cross."""
+    """Edges that continue beyond the hole: ends meet somewhere along them, or two edges cross."""
     obs = [add_surface(cut_back(patch_points(i), *beyond[i]), "ABC"[i], order=(2, 2), resolution=16) for i in range(3)]
     new = run(obs)
     corners = [np.array(new.data.vertices[v].co) for v in border(new)]

@@ -1,4 +1,4 @@
-"""object.blend_three_patches: three surfaces over one hole, or beside it, and their weights."""
+"""object.blend_three_patches: three surfaces over one hole, or next to it, and their weights."""
 
 import sys
 
@@ -11,7 +11,7 @@ blend = bpy.ops.object.blend_three_patches
 
 
 def constituent(i, bulge=0.2):
-    """Control points of a surface over the hole: its edge v = 0 is a side, and it goes on beyond the corner opposite."""
+    """Control points of a surface over the hole: its edge v = 0 is a side, and it continues beyond the corner opposite."""
     a, b, opposite = CORNERS[(i + 1) % 3], CORNERS[(i + 2) % 3], CORNERS[i]
     u, v = np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 4), indexing="ij")
     points = a + u[..., None] * (b - a) + v[..., None] * (opposite - (a + b) / 2)

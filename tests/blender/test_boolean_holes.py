@@ -1,4 +1,4 @@
-"""Smooth Fill in holes that the Boolean modifier cut: the faces beside them are concave and have corners in a line."""
+"""Smooth Fill in holes that the Boolean modifier cut: the faces next to them are concave and have corners in a line."""
 
 import bmesh
 import bpy
@@ -75,7 +75,7 @@ def test_beside_vertices_that_the_boolean_doubled(output):
 @pytest.mark.parametrize("output", ["auto", "triangles"])
 @pytest.mark.parametrize("segments, radius", [(2, 0.337), (2, 0.31), (2, 0.36), (4, 0.3)])
 def test_a_ball_cut_out_of_a_bevel(segments, radius, output):
-    """The bevel's flat strips meet the hole at angles that differ all along the rim: no reason not to go on from them."""
+    """The bevel's flat strips meet the hole at angles that differ all along the rim: no reason not to continue from them."""
     bpy.ops.mesh.primitive_cube_add()
     box = bpy.context.object
     bevel = box.modifiers.new("bevel", "BEVEL")

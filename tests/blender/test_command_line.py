@@ -51,7 +51,7 @@ def test_all_filled(run):
 
 @pytest.mark.skipif(bpy.app.version < (4, 5), reason="this Blender has no matrices")
 def test_attributes_that_are_matrices_stay(run):
-    """Making elements beside them would end Blender."""
+    """Making elements next to them would end Blender."""
     ob = scenes.add_hole()
     ob.name = "A"
     layer = ob.data.attributes.new("M", "FLOAT4X4", "POINT")

@@ -44,7 +44,7 @@ def test_what_is_installed_fills_and_leaves_nothing_when_it_is_removed(tmp_path)
 
 
 def test_two_blenders_share_a_folder_of_extensions(tmp_path):
-    """One goes on filling while the other removes the add-on and installs it again."""
+    """One continues filling while the other removes the add-on and installs it again."""
     finish(start(tmp_path, f"install={ARCHIVE}"))
     ready, gone = tmp_path / "ready", tmp_path / "gone"
     one = start(tmp_path, "enable", "fill", f"tell={ready}", f"wait={gone}", "fill", "disable")

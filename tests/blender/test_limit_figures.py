@@ -25,7 +25,7 @@ def drawn_border(ob):
 
 
 def everything(bm, gone):
-    """Creases of edges and vertices, triangles, an n-gon, and extraordinary vertices on the rim and beside it."""
+    """Creases of edges and vertices, triangles, an n-gon, and extraordinary vertices on the rim and next to it."""
     cages.edge_creases(bm, gone)
     layer = bm.verts.layers.crease.verify() if hasattr(bm.verts.layers, "crease") else bm.verts.layers.float.new("crease_vert")
     rim, outside = cages.around(bm, gone)

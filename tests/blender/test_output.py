@@ -1,4 +1,4 @@
-"""What holes are filled with where nobody has chosen it: quads go on in quads, triangles in triangles."""
+"""What holes are filled with where nobody has chosen it: quads continue in quads, triangles in triangles."""
 
 import sys
 
@@ -13,7 +13,7 @@ smooth = bpy.ops.mesh.fill_smooth
 
 
 def grid(triangulated=0, name="Hole"):
-    """A sheet of quads with a hole of twelve edges, so many of them beside triangles."""
+    """A sheet of quads with a hole of twelve edges, so many of them next to triangles."""
     points, faces = scenes.square_hole()
     at_hole = []
     for face in faces:
@@ -60,7 +60,7 @@ def test_along_a_mixed_rim_the_more_faces_count(triangulated, expected):
 
 
 def test_faces_of_more_corners_count_for_neither():
-    """Those of the ends of a cylinder, beside a hole in its side."""
+    """Those of the ends of a cylinder, next to a hole in its side."""
     bpy.ops.mesh.primitive_cylinder_add(vertices=12)
     ob = bpy.context.object
     (bm,) = scenes.edit(ob, mode="FACE")

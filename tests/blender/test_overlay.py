@@ -1,4 +1,4 @@
-"""What the overlay shows of a mesh, when it makes that anew, and that nothing is left of it when it is off."""
+"""What the overlay shows of a mesh, when it makes that again, and that nothing is left of it when it is off."""
 
 import re
 import sys

@@ -107,7 +107,7 @@ class Layout:
 
 
 def rows(state):
-    """{row: whether it is active}, and what is said beside."""
+    """{row: whether it is active}, and what is said next to."""
     state.layout = Layout()
     state.draw(bpy.context)
     return state.layout.seen["rows"], " ".join(state.layout.seen["said"])

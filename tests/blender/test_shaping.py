@@ -289,7 +289,7 @@ def test_a_rim_that_is_a_point_is_not_shaped(shaping):
 
 
 class Layout:
-    """Takes down what a layout is told to show."""
+    """Takes down what a layout shows."""
 
     def __init__(self):
         self.said, self.popovers = [], []

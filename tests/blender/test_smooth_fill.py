@@ -454,7 +454,7 @@ def test_reasons_stand_in_the_panel_in_whole(addon):
 
 
 def test_what_was_computed_is_shown_and_computed_anew(addon):
-    """Density is 0 nowhere in the panel; Shift R on another object chooses anew what was automatic, and keeps what was chosen."""
+    """Density is 0 nowhere in the panel; Shift R on another object chooses again what was automatic and keeps what was chosen."""
     state = operator(addon)
     scenes.edit(scenes.add_hole(holes=((3, 3, 4),)))
     assert state.execute(bpy.context) == {"FINISHED"}
@@ -494,7 +494,7 @@ def test_cages_and_quads_show_their_rows(addon):
 
 
 def test_the_tolerance_that_is_used_is_shown(addon):
-    """A thousandth of the hole's diameter, of each hole anew; what was chosen stays."""
+    """A thousandth of the hole's diameter, of each hole again; what was chosen stays."""
     state = operator(addon, output="quads")
     for scale in (1.0, 3.0):
         ob = scenes.add_hole()
@@ -513,7 +513,7 @@ def test_the_tolerance_that_is_used_is_shown(addon):
 
 
 def test_a_hole_that_gets_no_cage_is_filled_with_quads_and_says_so(addon):
-    """Where nobody asked for a cage by name; who did is told what hinders it."""
+    """Where nobody asked for a cage by name; who did reads what hinders it."""
     for output in ({}, {"output": "cage"}):
         vertices, faces = scenes.ring()
         vertices[:24:2, :2] *= 0.2  # a star: a cage would fold
@@ -823,4 +823,4 @@ def remembered(addon, **values):
 def test_what_was_chosen_stays_for_the_next_call_from_a_menu(addon):
     assert remembered(addon, output="quads").output == "quads"
     assert remembered(addon, output="triangles", resolution=7).resolution == 7
-    assert remembered(addon, output="triangles", resolution=9).resolution == 4  # was computed, and is computed anew
+    assert remembered(addon, output="triangles", resolution=9).resolution == 4  # was computed, and is computed again

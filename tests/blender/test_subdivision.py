@@ -98,7 +98,7 @@ def triangles_and_ngons(bm, gone):
 
 
 def extraordinary(bm, gone):
-    """A rim vertex and one beside it get another valence: an edge between two faces outside is turned."""
+    """A rim vertex and one next to it get another valence: an edge between two faces outside is turned."""
     noise(bm, gone)
     _, outside = around(bm, gone)
     bmesh.ops.poke(bm, faces=[outside[5]])
@@ -417,7 +417,7 @@ def test_what_changes_the_cage_is_refused_by_name():
 
 
 def half(bm, gone):
-    """Only what lies at x < 0 is kept: a mirror image completes it. The hole is beside that plane, not on it."""
+    """Only what lies at x < 0 is kept: a mirror image completes it. The hole is next to that plane, not on it."""
     noise(bm, gone)
     for v in bm.verts:
         if abs(v.co.x) < 0.16:
@@ -451,7 +451,7 @@ def test_a_mirror_is_read(where):
     points, border, _ = evaluated(ob)
     own, own_border, _ = evaluated(new)
     own, points = own[list(own_border)], points[list(border)]
-    # An image is subdivided by Blender anew before and copied after: bit for bit where there is but one computation.
+    # An image is subdivided by Blender again before and copied after: bit for bit where there is but one computation.
     gaps = np.linalg.norm(own[:, None].astype(float) - points[None], axis=2)
     assert len(own) == len(points) and gaps.min(axis=1).max() < 2e-6 * 2 and gaps.min(axis=0).max() < 2e-6 * 2
     first = [p[p[:, 0] < 0] if where == "before" else p for p in (own, points)]

@@ -132,9 +132,9 @@ class Window:
         return _save(screen()[::-1, :, 2::-1] / np.float32(255), path)
 
     def picture(self, name):
-        """A shot of the window at rest: `shown = yield from w.picture(name)`. Blender draws anew between two looks at the screen,
-        each time with one sample more of its anti-aliasing, with panels and hints blended in or out: only what is equal three
-        times is the state that the scenario has brought about, however slow the machine."""
+        """A shot of the window at rest: `shown = yield from w.picture(name)`. Blender draws again between two looks at the
+        screen, each time with one sample more of its anti-aliasing, with panels and hints blended in or out: only what is equal
+        three times is the state that the scenario has brought about, however slow the machine."""
         equal, last, until = 0, None, time.monotonic() + AT_REST
         while True:
             assert time.monotonic() < until, f"the window does not come to rest in {AT_REST} s ({name})"
@@ -147,7 +147,7 @@ class Window:
                     return shown
 
     def view_of(self, shown):
-        """The part of a picture that is the 3D view, below its headers and beside its panel, however much of that is unfolded."""
+        """The part of a picture that is the 3D view, below its headers and next to its panel, however much of it is unfolded."""
         r = self.region("WINDOW")
         return shown[r.y + 20 : r.y + r.height - 90, r.x + 370 : r.x + r.width - 80]
 

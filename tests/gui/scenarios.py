@@ -67,7 +67,7 @@ def _more_density(w):
 
 
 def panel_rows(w):
-    """The panel opens; among quads it shows them; an arrow of Density fills anew; Sides unfolds."""
+    """The panel opens; among quads it shows them; an arrow of Density fills again; Sides unfolds."""
     rounded_corner(w)
     yield
     yield from _fill_by_key(w)
@@ -88,7 +88,7 @@ def panel_rows(w):
 
 
 def panel_of_triangles(w):
-    """Triangles among quads, for one who chooses them: an arrow of Density fills anew, with triangles again."""
+    """Triangles among quads, for one who chooses them: an arrow of Density fills again, with triangles again."""
     rounded_corner(w)
     with w.override():
         bpy.ops.ed.undo_push(message="Corner")
@@ -156,7 +156,7 @@ def filters(w):
     hud = w.region("HUD")
     assert hud.height > folded + 60 and (PANELS or last_operator().show_holes), "Holes unfolds"
     yield from w.picture("holes-unfolded")
-    if not PANELS:  # the box beside Max Edges, the first row of the part
+    if not PANELS:  # the box next to Max Edges, the first row of the part
         yield from w.click_at(hud.x + 131, hud.y + 18 + 9 * 23 - 3)
         yield from w.picture("holes-filtered")
         assert last_operator().use_max_edges, "the filter is on"
@@ -314,7 +314,7 @@ def refusal_and_correction(w):
 
 
 def repeated_elsewhere(w):
-    """Shift R on another mesh chooses anew what was automatic."""
+    """Shift R on another mesh chooses again what was automatic."""
     sheet(w, "Other")
     before = counts()
     with w.override():
@@ -923,7 +923,7 @@ def live_fill_played(w):
 
 
 def save_and_reopen(w):
-    """A live fill goes on to follow in a file that is opened again."""
+    """A live fill continues to follow in a file that is opened again."""
     from hands import FOLDER
 
     fill = _live(w)

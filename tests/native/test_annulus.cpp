@@ -24,7 +24,7 @@ PiecewisePolynomial curve_of(const std::function<Vec3(double)>& f) {
       3);
 }
 
-/// A closed side through points with the derivative away from the hole; both by the angle over 2 pi, which may run on from `begin`, or back.
+/// A closed side through points with the derivative away from the hole; both by the angle over 2 pi, which may continue from `begin`, or back.
 Side side_of(const std::function<Vec3(double)>& c, const std::function<Vec3(double)>& r, double begin = 0, bool back = false) {
   const auto at = [=](const std::function<Vec3(double)>& f) {
     return curve_of([=](double t) { return f(turn * (begin + (back ? -t : t))); });

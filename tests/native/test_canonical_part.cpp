@@ -217,7 +217,7 @@ TEST_CASE("beginnings that are alike are all left, and points beside them tell t
   Beginnings beginnings(p);
   beginnings.compare_along();
   CHECK(beginnings.left().size() == 12);
-  Points chiral(6, 3);  // beside each edge, nearer to its beginning
+  Points chiral(6, 3);  // next to each edge, nearer to its beginning
   for (Index k = 0; k < 6; ++k) chiral.row(k) = 1.2 * (0.7 * p.row(k) + 0.3 * p.row((k + 1) % 6));
   beginnings.compare_with(chiral);
   REQUIRE(beginnings.left().size() == 6);

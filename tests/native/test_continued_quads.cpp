@@ -1,4 +1,4 @@
-// Rows of quads that go on across outlines and past a pole: mixed differences, what they determine, and what is told of it.
+// Rows of quads that continue across outlines and past a pole: mixed differences, what they determine, and what is reported of it.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -69,7 +69,7 @@ struct Quads {
     faces.add(std::array{vertex(place(u, v)), vertex(place(u + 1, v)), vertex(place(u + 1, v + 1)), vertex(place(u, v + 1))});
   }
 
-  /// Without the faces whose middles are told; those are what is inside.
+  /// Without the faces whose middles are given; those are what is inside.
   QuadsInside taken_out(const std::function<bool(const Vec3&)>& is_gone, Faces& left) const {
     Faces gone;
     for (Index f = 0; f < faces.size(); ++f) {

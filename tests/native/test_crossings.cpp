@@ -16,7 +16,7 @@ std::vector<Crossing> all_crossings(const Points& points, const Triangles& trian
   return find_crossings(points, Points(0, 3), faces_of(triangles), 1000000);
 }
 
-/// A triangle in the plane z = 0 and one beside it whose tip lies at a height below it, at (0.25, 0.25).
+/// A triangle in the plane z = 0 and one next to it whose tip lies at a height below it, at (0.25, 0.25).
 Points pierced(double below) {
   Points points(6, 3);
   points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0.25, 0.25, -below, 0.5, 0.25, 1, 0.25, 0.5, 1;

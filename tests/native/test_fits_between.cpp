@@ -31,7 +31,7 @@ struct Arc {
   bool is_between(int k) const { return tripatch::is_between(k, side.edges()); }
 };
 
-/// The largest error of what is told between fits; -1: something is not told.
+/// The largest error of what is reported between fits; -1: something is not given.
 double largest_error(const Arc& arc) {
   FitsBetween between(arc.side, arc.fits);
   double error = 0;

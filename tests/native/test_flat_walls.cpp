@@ -180,7 +180,7 @@ Solid without_walls(const Solid& prism, int n, int lost) {
 bool at_corner(const Vec3& p) { return p.minCoeff() > 0.1; }
 /// Over the edge of the walls y = 1 and z = 1, with both ends of it.
 bool at_edge(const Vec3& p) { return std::min(p[1], p[2]) > 0.1; }
-/// The wall z = 1 and what is beside it of the walls x = 1 and y = 1.
+/// The wall z = 1 and what is next to it of the walls x = 1 and y = 1.
 bool at_top(const Vec3& p) { return std::max({p[0], p[1], p[2]}) > 0.999 && p[2] > 0.1; }
 
 }  // namespace
@@ -377,7 +377,7 @@ TEST_CASE("vertices are in a plane within 1e-4 of the hole", "[flat_walls]") {
 TEST_CASE("a wall of which nothing is left is told by a rim that turns by 20 degrees", "[flat_walls]") {
   for (const double degrees : {18.0, 22.0}) {
     const double a = degrees * std::numbers::pi / 180;
-    // the wall x = 1 is gone, with what is beside it; of its two edges that are left one runs aslant
+    // the wall x = 1 is gone, with what is next to it; of its two edges that are left one runs aslant
     const Solid open = cube(4).without([](const Vec3& p) { return p[0] > 0.9 || (p[0] > 0.1 && std::max(p[1], p[2]) > 0.9); });
     REQUIRE(open.features().walls);
     const Solid sheared = open.moved([&](const Vec3& p) { return Vec3(p[0], p[1] + p[2] / std::tan(a), p[2]); });
@@ -425,7 +425,7 @@ Solid lower_kites(int n) {
   return {points, faces};
 }
 
-/// A prism of n walls that has lost its cap and the upper ends of its walls: of two nothing, of the two beside these half, of the others all.
+/// A prism of n walls that has lost its cap and the upper ends of its walls: of two nothing, of the two next to these half, of the others all.
 Solid jagged_prism(Index n) {
   const auto corner = [&](Index k, double height) {
     const double a = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
@@ -471,7 +471,7 @@ TEST_CASE("a wall of which nothing is left is sought among eight planes that the
 }
 
 TEST_CASE("walls in more than sixteen planes are not looked at", "[flat_walls]") {
-  for (const int n : {16, 18}) {  // a cap and a wall are lost: n - 1 walls and the other cap are beside
+  for (const int n : {16, 18}) {  // a cap and a wall are lost: n - 1 walls and the other cap are next to
     const Solid whole = prism(n, 1, 0.6),
                 open = whole.without([&](const Vec3& p) { return p[2] > 0.9 || (p - whole.middle(2)).norm() < 1e-9; });
     const Mesh mesh = open.mesh();

@@ -1,4 +1,4 @@
-// Sums over heights, eight at a time, beside the same one after the other.
+// Sums over heights, eight at a time, next to the same one after the other.
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>

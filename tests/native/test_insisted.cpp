@@ -1,4 +1,4 @@
-// What a method that is insisted on may not deliver.
+// What a method that is requested may not deliver.
 #include <array>
 #include <catch2/catch.hpp>
 #include <string>
@@ -53,7 +53,7 @@ FillOptions by(const char* method) {
 
 TEST_CASE("a patch that is insisted on is refused where it folds more than its rim does, and says where") {
   SquareHole hole;
-  hole.fill.vertices << 3, 1.5, 0;  // beyond vertex 0: the faces beside it lie over each other
+  hole.fill.vertices << 3, 1.5, 0;  // beyond vertex 0: the faces next to it lie over each other
   const Index folds = hole.folds();
   REQUIRE(folds > 1);
   hole.fill.report.triangles_folded = folds;

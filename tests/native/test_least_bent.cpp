@@ -141,7 +141,7 @@ TEST_CASE("beside triangles that are all but edges rounding has no say in what b
   Grid grid(2);
   for (Index k = 0; k < grid.points.rows(); ++k)
     grid.points(k, 2) = std::sin(0.4 * grid.points(k, 0)) * std::cos(0.3 * grid.points(k, 1));
-  const Index a = grid.first + 20;  // onto the middle of an edge, and beside another vertex
+  const Index a = grid.first + 20;  // onto the middle of an edge, and next to another vertex
   for (std::array<Index, 3> t : grid.triangles)
     if (t[0] == a) {
       grid.points.row(a) = (1 - 2e-6) * (0.5 * grid.points.row(t[1]) + 0.5 * grid.points.row(t[2])) + 2e-6 * grid.points.row(a);

@@ -90,7 +90,7 @@ TEST_CASE("Two triangles are of one flat face whose planes meet at an angle with
 TEST_CASE("Flat triangles that are not much longer than wide come of no face that was cut") {
   for (const double height : {2.58, 2.66}) {  // a diagonal squared over twice the area is (1 + height^2) / height: 2.97 and 3.04
     Walls walls(6, height, true);
-    Points points(walls.points.rows() + 14, 3);  // and a strip of small triangles beside, by which these are long
+    Points points(walls.points.rows() + 14, 3);  // and a strip of small triangles next to, by which these are long
     points << walls.points, Points::Zero(14, 3);
     for (Index k = 0; k < 7; ++k) {
       points.row(14 + 2 * k) << 0.4 * static_cast<double>(k), -9, 0;
@@ -162,7 +162,7 @@ TEST_CASE("Without faces, and where edges have no length, nothing is told") {
 }
 
 TEST_CASE("Whether what goes on from a long edge turns, and is about as long, does not hang on rounding") {
-  // of two edges that go on as straight one is long and one short; and edges of just half the length go on
+  // of two edges that continue as straight one is long and one short; and edges of just half the length continue
   for (const double beyond : {0.2, 0.5}) {
     Walls walls(6, 6.1, false);
     const Index n = walls.points.rows();

@@ -557,7 +557,7 @@ TEST_CASE("mesh sides refuse what cannot be read, with the place") {
     return std::vector<Index>();
   };
   TestMesh m = good;
-  m.vertices(30, 1) = NAN;  // beside the rim
+  m.vertices(30, 1) = NAN;  // next to the rim
   CHECK(refusal(m) == std::vector<Index>{30});
   m = good;
   m.vertices(5, 1) = INFINITY;

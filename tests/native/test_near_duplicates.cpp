@@ -9,7 +9,7 @@ using namespace tripatch;
 
 namespace {
 
-/// A square with two triangles, and beside it a row of squares of which the first vertices lie within its edge.
+/// A square with two triangles, and next to it a row of squares of which the first vertices lie within its edge.
 struct Strip {
   Points vertices;
   Faces faces;

@@ -10,7 +10,7 @@ using namespace tripatch::testing;
 
 namespace {
 
-/// Points all over the triangle, on its sides, beside its vertices and as near to two of them as to each other.
+/// Points all over the triangle, on its sides, next to its vertices and as near to two of them as to each other.
 Points scattered(Index n) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> unit(0, 1);

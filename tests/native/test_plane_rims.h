@@ -1,4 +1,4 @@
-// Rims in the plane that turn as they are told, for tests of corners.
+// Rims in the plane that turn as requested, for tests of corners.
 #pragma once
 
 #include <catch2/catch.hpp>

@@ -1,4 +1,4 @@
-// Triangles of simple polygons, and folds beside a rim.
+// Triangles of simple polygons, and folds next to a rim.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>

@@ -235,7 +235,7 @@ TEST_CASE("polygon patch: a fair patch in a sphere is the sphere's") {
 }
 
 TEST_CASE("polygon patch: a fillet, a strip of a torus, is made round") {
-  // the energy of quadrics has a deep valley beside that of round sections: conics of revolution as far off as 3e-4
+  // the energy of quadrics has a deep valley next to that of round sections: conics of revolution as far off as 3e-4
   CHECK(largest_distance(polygon_patch(sides_between(torus<10>, strip_of_torus(45, 60))), torus<10>) < 5e-6);
   CHECK(largest_distance(polygon_patch(sides_between(torus<10>, strip_of_torus(90, 60))), torus<10>) < 5e-6);
   CHECK(largest_distance(polygon_patch(sides_between(torus<20>, strip_of_torus(90, 90))), torus<20>) < 1e-5);

@@ -1,4 +1,4 @@
-// Rows of quads that go on across a hole: which holes are blocks of such rows, what is put into them, and the surface through it.
+// Rows of quads that continue across a hole: which holes are blocks of such rows, what is put into them, and the surface through it.
 #include <catch2/catch.hpp>
 #include <numbers>
 
@@ -94,7 +94,7 @@ TEST_CASE("rows end beside a triangle and at the border of the mesh, on that sid
   const Index at = grid.vertex(-1, 1);
   for (Index f = 0; f < grid.faces.size(); ++f) {
     const auto face = grid.faces[f];
-    if (face[0] == at) {  // a quad beside the side at i = 0, cut in two
+    if (face[0] == at) {  // a quad next to the side at i = 0, cut in two
       faces.add(std::array{face[0], face[1], face[2]});
       faces.add(std::array{face[0], face[2], face[3]});
     } else {

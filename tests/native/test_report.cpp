@@ -44,7 +44,7 @@ Sides flat_sides(const std::array<std::array<double, 2>, 3>& slope) {
   return sides;
 }
 
-/// An arc of a circle around `axis`, and the derivative across it that is constant: a face of a cube or a cylinder beside it.
+/// An arc of a circle around `axis`, and the derivative across it that is constant: a face of a cube or a cylinder next to it.
 Sides arcs(const std::array<Vec3, 3>& across) {
   Sides sides;
   for (int i = 0; i < 3; ++i) {
@@ -125,7 +125,7 @@ TEST_CASE("a gap between sides that is small enough to be let through does not t
 }
 
 TEST_CASE("corners of a cube: planes at right angles are no folds") {
-  std::array<Vec3, 3> across;  // every side lies on its face of the cube, which goes on away from the hole
+  std::array<Vec3, 3> across;  // every side lies on its face of the cube, which continues away from the hole
   for (int i = 0; i < 3; ++i) across[i] = Vec3::Unit((i + 1) % 3) + Vec3::Unit((i + 2) % 3);
   const Sides sides = arcs(across);
   const SurfacePtr patch = side_vertex(make_boundary(sides));

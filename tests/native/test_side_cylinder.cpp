@@ -12,7 +12,7 @@ namespace {
 
 constexpr double radius = 5;
 
-/// Beside side 2 the sheet is bent about the y axis, outwards up; the side is moved along it by so much times the square of the place, and
+/// Next to side 2 the sheet is bent about the y axis, outwards up; the side is moved along it by so much times the square of the place, and
 /// faces lie the more askew the farther along they are.
 struct Bent {
   explicit Bent(int edges, double slant, double depth = 10, double askew = 0) : flat(edges) {

@@ -183,7 +183,7 @@ TEST_CASE("what comes out are the patches, with their normals, joined without a 
       }
   }
   CHECK(worst_position < 1e-14);
-  CHECK(worst_angle < 1e-5);  // at the vertices the patch's derivatives are those beside them
+  CHECK(worst_angle < 1e-5);  // at the vertices the patch's derivatives are those next to them
 }
 
 TEST_CASE("points of an edge are found by its number") {

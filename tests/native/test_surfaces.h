@@ -101,7 +101,7 @@ double relabelling_error(const Make& make, const Sides& sides);
 /// Rigid motions and scales from 1e-6 to 1e6 move the surface with its sides.
 double motion_error(const Make& make, const Sides& sides);
 
-/// Beside each corner on several rays: the position's distance from the corner relative to the distance in b, and the largest
+/// Next to each corner on several rays: the position's distance from the corner relative to the distance in b, and the largest
 /// first derivative, both relative to the size; throws the test if anything is not finite.
 double corner_slope(const Surface& patch, const Sides& sides, int order = 3);
 

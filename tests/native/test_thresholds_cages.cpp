@@ -75,8 +75,8 @@ bool is_placed(const Mesh& mesh, const std::vector<Index>& rim, const std::optio
   return fill(mesh, options).report.method_reason.find("would leave the surrounding surface") != std::string::npos;
 }
 
-/// Whether the cage of 4 x 4 quads that are missing in a grid is placed where the mesh goes on. The grid has waves along both of its
-/// directions, so many to a side of the hole and the height of so many edges. Between corners that are given: without them its rows go on.
+/// Whether the cage of 4 x 4 quads that are missing in a grid is placed where the mesh continues. The grid has waves along both of its
+/// directions, so many to a side of the hole and the height of so many edges. Between corners that are given: without them its rows continue.
 bool is_placed_in_waves(double waves, double height) {
   constexpr Index n = 12, hole = 4, first = (n - hole) / 2, last = first + hole;
   const auto at = [](Index i, Index j) { return i * (n + 1) + j; };

@@ -35,7 +35,7 @@ TEST_CASE("clear corners are two edges apart and three in the mean, and there ar
 }
 
 TEST_CASE("sides are smooth whose edges turn to and fro by a fifth", "[thresholds]") {
-  // the distance of an edge's direction from the mean of those beside it is twice the sine of half the angle between them
+  // the distance of an edge's direction from the mean of those next to it is twice the sine of half the angle between them
   for (const double off : {0.198, 0.202}) {
     const double turn = 2 * std::asin(off / 2) * 180 / std::numbers::pi;
     std::vector<double> turns = {90 - turn / 2};

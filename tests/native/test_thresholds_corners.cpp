@@ -13,7 +13,7 @@ TEST_CASE("a corner turns by 40 degrees where a round rim would turn by 15", "[t
 }
 
 TEST_CASE("a corner turns by one and a half times what a round rim would", "[thresholds]") {
-  // of 12 edges by 30 degrees; the vertices beside the corners turn by more than half of what these do
+  // of 12 edges by 30 degrees; the vertices next to the corners turn by more than half of what these do
   CHECK(bowed(3, 44.8, 3).detected().empty());
   CHECK(bowed(3, 45.2, 3).detected() == std::vector<Index>{0, 4, 8});
 }

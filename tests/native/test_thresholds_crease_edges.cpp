@@ -28,7 +28,7 @@ TEST_CASE("a crease gets as many new edges as its ends' ask for, but no more tha
 
 namespace {
 
-/// New points of a straight crease, from 0 at one end to 1 at the other, by their places on it. Beside each end are two edges of the rim, the first of
+/// New points of a straight crease, from 0 at one end to 1 at the other, by their places on it. Next to each end are two edges of the rim, the first of
 /// `first` of the rim's other edges, the second of `second`.
 std::vector<double> along_crease(double first, double second) {
   const Rings rings(radii(0.1, 8), [=](double x, double y) {

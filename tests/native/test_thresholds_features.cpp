@@ -1,4 +1,4 @@
-// Which creases go on across a hole, on both sides of each threshold.
+// Which creases continue across a hole, on both sides of each threshold.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>

@@ -40,7 +40,7 @@ bool is_grid(const std::optional<PlaneLayout>& layout, Index side) {
   return layout && layout->faces.size() == side * side && quad_quality(as_rows(layout->uv), layout->faces).least > 1 - 1e-9;
 }
 
-/// An ellipse, `height` beside 1, whose vertices want two quads but for some.
+/// An ellipse, `height` next to 1, whose vertices want two quads but for some.
 Outline ellipse(Index n, double height, const std::map<Index, int>& other) {
   Outline made{PlanePoints(n, 2), std::vector<int>(static_cast<std::size_t>(n), 2)};
   for (Index k = 0; k < n; ++k) {

@@ -23,7 +23,7 @@ SideList twisted_square(double twist) {
   return sides;
 }
 
-/// How high the corner patch lies beside its first corner, for each unit of the twist, on the diagonal or off it.
+/// How high the corner patch lies next to its first corner, for each unit of the twist, on the diagonal or off it.
 double height(double twist, const Vec2& share) {
   PolygonRibbonOptions options;
   options.past_hooks = true;

@@ -127,7 +127,7 @@ TEST_CASE("a point lies on an edge of a plane domain to rounding of its angle", 
 
 namespace {
 
-/// So crumpled that edges stay too long however often they are split.
+/// So distorted that edges stay too long however often they are split.
 class Crumpled final : public Surface {
 public:
   void evaluate(const double* b, Index n, int, double* out) const override {  // positions only

@@ -155,7 +155,7 @@ TEST_CASE(
     "[thresholds]") {
   const auto may_fold = [](Index n, double times) {
     const double edge = 2 * std::sin(std::numbers::pi / static_cast<double>(n));
-    // the farther corner of the face beside an edge is so many times as far as the other end of that
+    // the farther corner of the face next to an edge is so many times as far as the other end of that
     const auto apart = [&](double radius) {
       return (Vec3(radius * std::cos(2 * std::numbers::pi / n), radius * std::sin(2 * std::numbers::pi / n), 0) - Vec3::UnitX())
           .norm();

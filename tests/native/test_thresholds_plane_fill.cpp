@@ -214,7 +214,7 @@ TEST_CASE("a crease does not run past a vertex of the rim by less than a ten-tho
   Rings rings(radii(0.1, 8), [](double x, double y) { return roof(x, y, 30); });
   const double edge = 1 / static_cast<double>(across(rings)->creases.size());
   for (const double share : {0.98e-4, 1.02e-4}) {
-    for (Index k = 2; k <= 10; ++k) {  // on one side the rim comes down to the crease, beside one of its points
+    for (Index k = 2; k <= 10; ++k) {  // on one side the rim comes down to the crease, next to one of its points
       const double x = 0.5 * std::cos(static_cast<double>(k) * std::numbers::pi / 12);
       rings.vertices.row(k) = roof(x + 0.01, share * edge + std::abs(x) / 2, 30);
     }
@@ -336,7 +336,8 @@ TEST_CASE("of an error three quarters are handed on at most", "[thresholds]") {
 }
 
 TEST_CASE("a fill stays within a diameter of its rim", "[thresholds]") {
-  double farthest = 0;  // over the diameter, of balls that are open at less and less, where a fill runs on into their other side
+  double farthest =
+      0;  // over the diameter, of balls that are open at less and less, where a fill continues into their other side
   for (double degrees = 103; degrees < 107; degrees += 0.5) {
     const double angle = degrees * std::numbers::pi / 180, edge = 2 * std::numbers::pi * std::sin(angle) / 40;
     const auto ball = [&](double x, double y) {

@@ -20,7 +20,7 @@ struct Walls {
   Faces faces;
   std::vector<Index> rim, places;
 
-  /// edges: of each side; degrees(side, edge): 0 where the face goes on in the plane, 90 where it goes straight down. bow: of the sides,
+  /// edges: of each side; degrees(side, edge): 0 where the face continues in the plane, 90 where it goes straight down. bow: of the sides,
   /// which are parabolas so high above their chords.
   Walls(const std::vector<Vec2>& corners, const std::vector<int>& edges, const std::function<double(int, int)>& degrees,
         double bow = 0) {
@@ -137,7 +137,7 @@ TEST_CASE("two sides tell the plane of their corner where the sine between them 
 
 TEST_CASE("a surface goes on across edges of up to 25 degrees", "[thresholds]") {
   for (const double degrees : {24.9, 25.1}) {
-    // around vertex 1 lie a face beside the sharp side from 0 to 1, one in between and one beside the next side
+    // around vertex 1 lie a face next to the sharp side from 0 to 1, one in between and one next to the next side
     Points vertices = (Points(6, 3) << 0, 0, 0, 1, 0, 0, 0.4, 0.9, 0, 0.6, -0.7, 0, 1.6, 0.5, 0, -0.5, 0.8, 0).finished();
     const Vec3 corner = vertices.row(1), axis = (Vec3(vertices.row(4)) - corner).normalized();
     vertices.row(2) = corner + Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis) * (Vec3(vertices.row(2)) - corner);

@@ -68,7 +68,7 @@ TEST_CASE("vertices count where they are turned by less than 60 degrees, and ful
 TEST_CASE("faces turned by 60 degrees are another sheet", "[thresholds]") {
   for (const double degrees : {59.5, 60.5}) {
     FlatDrafts flat(4);
-    for (int i = -7; i < 11; ++i)  // the second row beside the hole, and nothing leads beyond it
+    for (int i = -7; i < 11; ++i)  // the second row next to the hole, and nothing leads beyond it
       for (int f : flat.w.part.faces_at(flat.local(i, -2)))
         for (int v : flat.w.part[f])
           if (v == flat.local(i, -1)) flat.w.area[f] = flat.w.twice_area[f] * turned(degrees);

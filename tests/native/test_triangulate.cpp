@@ -243,7 +243,7 @@ TEST_CASE("sizes grow from a fine side to a coarse one") {
   const Parameters p = {graded(60), graded(6), graded(6)};
   const TriangleMesh mesh = triangulate(p, {}, flat);
   REQUIRE(flaw(p, mesh) == "");
-  double near = 0, far = 0;  // mean area beside side 0 and at corner 0
+  double near = 0, far = 0;  // mean area next to side 0 and at corner 0
   int near_count = 0, far_count = 0;
   for (const auto& t : mesh.triangles) {
     const double b0 = (mesh.barycentric(t[0], 0) + mesh.barycentric(t[1], 0) + mesh.barycentric(t[2], 0)) / 3;

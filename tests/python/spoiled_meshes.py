@@ -1,4 +1,4 @@
-"""Closed meshes with a hole, as people leave them behind: what is beside it is no surface. Everything follows from a seed."""
+"""Closed meshes with a hole, as people leave them behind: what is next to it is no surface. Everything follows from a seed."""
 
 from __future__ import annotations
 

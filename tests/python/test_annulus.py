@@ -186,7 +186,7 @@ def test_ragged_boundaries_are_joined_by_quads_on_the_surface_around_them():
 
 
 def pipe_end(middle, way, up, n=24, radius=0.4):
-    """A straight piece of pipe that ends at a point, where it goes on in a direction."""
+    """A straight piece of pipe that ends at a point, where it continues in a direction."""
     way, up = np.asarray(way, float), np.asarray(up, float)
     c = circle(n, radius, 0)
     ring = c[:, :1] * up + c[:, 1:2] * np.cross(way, up)
@@ -224,7 +224,7 @@ def test_the_three_arms_of_a_joint_are_one_hole(radii):
 
 
 def side_of_torus(angle, onward, large=2.0, small=0.5):
-    """The circle of a torus at an angle, whose surface goes on at larger angles, or smaller ones, where the hole is."""
+    """The circle of a torus at an angle, whose surface continues at larger angles, or smaller ones, where the hole is."""
 
     def c(t):
         x = TURN * t * onward

@@ -38,7 +38,7 @@ def around(inner, height=0.2):
 
 
 def octant_with(change):
-    """An open octant whose vertices, faces or rim `change` spoils; `beside` is the face beside the rim's first edge."""
+    """An open octant whose vertices, faces or rim `change` spoils; `next to` is the face next to the rim's first edge."""
     vertices, faces, rim = octant()
     beside = next(f for f, face in enumerate(faces) if {rim[0], rim[1]} <= set(face))
     change(vertices, faces, rim, beside)
@@ -325,7 +325,7 @@ def test_the_patch_far_away_is_of_the_same_kind():
 
 @pytest.mark.parametrize("far", [1e308, -1.7e308])
 def test_what_comes_to_no_finite_positions_is_refused(far):
-    """A cage beside the limit surface, whose sums of coordinates overflow."""
+    """A cage next to the limit surface, whose sums of coordinates overflow."""
     vertices, faces = cube_sphere(4)
     left = faces[1:]
     rim = max(tripatch.find_holes(left), key=len)

@@ -53,7 +53,7 @@ def spheres(folder, count, suffix=".obj", first=0):
 
 @pytest.fixture(scope="module")
 def cluster():
-    """A scheduler of Dask with two worker processes, as it runs on another machine."""
+    """A scheduler of Dask with two worker processes, as on another machine."""
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, memory_limit=0, dashboard_address=None, silence_logs=50
     ) as made:
@@ -507,7 +507,7 @@ def test_a_scheduler_that_goes_away_is_said(tmp_path, capsys):
 
 
 def test_ctrl_c_ends_it_orderly(tmp_path, capsys):
-    """By a cluster of its own; the same command goes on from there."""
+    """By a cluster of its own; the same command continues from there."""
     source, out = spheres(tmp_path / "in", 80), tmp_path / "out"
     command = [
         sys.executable,
@@ -748,7 +748,7 @@ def test_what_fails_in_the_process_is_told_as_what_it_is(tmp_path):
         with pytest.raises(keeper._Ended, match=r"TriPatch failed on it \(ValueError") as caught:
             one.call("math", "sqrt", -1)
         assert caught.value.status == record.CRASHED
-        assert one.call("math", "sqrt", 4) == 2  # it goes on
+        assert one.call("math", "sqrt", 4) == 2  # it continues
 
 
 def test_memory_of_one_file_is_no_more_than_it_needs(tmp_path):

@@ -57,7 +57,7 @@ def test_whole_edges_in_any_order(order):
 @pytest.mark.parametrize("before", [(0.4, 0, 0), (0.3, 0.2, 0), (0.5, 0.5, 0.5)])
 @pytest.mark.parametrize("after", [(0, 0, 0), (0.3, 0, 0.7), (0.2, 0.3, 0.4)])
 def test_pieces_of_edges(before, after):
-    """Where an edge goes on beyond the corner its piece counts; where two go on they cross there."""
+    """Where an edge continues beyond the corner its piece counts; where two continue they cross there."""
     loop = between.find_loop(three(before, after), 1e-3)
     assert max(loop.gaps) < 1e-9
     patch, sides = checked(loop)

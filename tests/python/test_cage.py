@@ -345,7 +345,7 @@ def test_a_cage_is_the_same_whichever_corner_is_the_first(cage_rim):
     + [(1, 0.3), (1, 0.4), (2, 0.3), (3, 0.4), (4, 0.45), (5, 0.1), (10, 0.1)],
 )
 def test_the_cage_of_a_bevelled_corner_stays_within_the_cube(segments, width):
-    """Strips many times as long as the fill's faces: uniform B-splines would go on into the hole by their length."""
+    """Strips many times as long as the fill's faces: uniform B-splines would continue into the hole by their length."""
     vertices, faces, rim, corners = bevelled_corner(segments, width)
     fill = tripatch.fill(vertices, faces, rim=rim, corners=corners, output="cage")
     limit, _ = fill.limit(2)

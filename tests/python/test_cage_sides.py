@@ -121,7 +121,7 @@ def test_an_odd_rim_of_many_sides(odd):
 
 
 def test_extra_rows_that_do_not_fit_are_left_out():
-    # a jagged rim: rows beside it would cross each other
+    # a jagged rim: rows next to it would cross each other
     rng = np.random.default_rng(3)
     plane = rng.uniform(-1, 1, (500, 2))
     vertices = np.column_stack([plane, 0.2 * (plane**2).sum(axis=1)])
@@ -223,7 +223,7 @@ def test_between_bevels_a_cage_goes_on_as_the_mesh_does(cells, width, rings, dir
 
 @pytest.mark.parametrize(("cells", "width"), [(5, 0.2), (7, 0.2), (7, 0.3)])
 def test_a_cage_between_bevels_is_flat_where_the_mesh_is(cells, width):
-    """The fairest cage bulges there by a twentieth of the hole, and how the mesh goes on is well known."""
+    """The fairest cage bulges there by a twentieth of the hole, and how the mesh continues is well known."""
     vertices, faces = rounded_box(cells, width)
     left, gone = without_rings(vertices, faces, (0, 0, 1), 1)
     fill = tripatch.fill(vertices, left, output="cage")
@@ -232,7 +232,7 @@ def test_a_cage_between_bevels_is_flat_where_the_mesh_is(cells, width):
 
 @pytest.mark.parametrize(("cells", "direction"), [(4, (0, 0, 1)), (5, (1, 0.2, 0.1)), (6, (1, 0.2, 0.1))])
 def test_the_end_of_an_egg_goes_on_in_a_cage(cells, direction):
-    """The fairest cage is blunt there, by 0.034 to 0.054 of the hole's size, and how the mesh goes on is known better."""
+    """The fairest cage is blunt there, by 0.034 to 0.054 of the hole's size, and how the mesh continues is known better."""
     vertices, faces = cube_sphere(cells)
     vertices = vertices * [1, 0.7, 0.5]
     left, gone = without_rings(vertices, [list(f) for f in faces], direction, 2)

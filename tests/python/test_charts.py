@@ -26,7 +26,7 @@ def sheet(bend=0.0, hole=(3, 7, 2, 6), size=(10, 8)):
 
 
 def continued(uv_of, bend=0.0):
-    """The UVs of the faces that close the hole of a sheet, and what they are where the map simply goes on. uv_of: (flat (n, 2),
+    """The UVs of the faces that close the hole of a sheet, and what they are where the map simply continues. uv_of: (flat (n, 2),
     which side of the seam) -> UVs (n, 2). The seam runs along x = 5."""
     places, flat, faces, missing = sheet(bend)
     (rim,) = [loop.tolist() for loop in tripatch.find_holes(faces) if len(loop) == 16]

@@ -208,7 +208,7 @@ def test_both_ends_of_a_tube_are_holes():
     vertices = np.concatenate([ring + [0, 0, z] for z in range(4)])
     tube = [[12 * z + k, 12 * z + (k + 1) % 12, 12 * z + 12 + (k + 1) % 12, 12 * z + 12 + k] for z in range(3) for k in range(12)]
     assert [loop[0] for loop in tripatch.choose_holes(vertices, tube)] == [0, 36]
-    # beside a plane, whose border is an outer one
+    # next to a plane, whose border is an outer one
     plane = np.array([[5, 0, 0], [6, 0, 0], [6, 1, 0], [5, 1, 0]], float)
     both = [*tube, [48, 49, 50, 51]]
     assert [loop[0] for loop in tripatch.choose_holes(np.concatenate([vertices, plane]), both)] == [0, 36]

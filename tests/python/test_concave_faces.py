@@ -1,4 +1,4 @@
-"""Holes beside faces with many corners, concave or with corners in a line, as booleans and dissolved edges leave them."""
+"""Holes next to faces with many corners, concave or with corners in a line, as booleans and dissolved edges leave them."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ T = np.linspace(0, 1, 17)
 
 
 def sheet(i, sign, seed=0, beyond=0.0):
-    """A biquadratic surface with an edge along side i, and beyond its corners: over the hole (sign 1) or beside it."""
+    """A biquadratic surface with an edge along side i, and beyond its corners: over the hole (sign 1) or next to it."""
     rng = np.random.default_rng(seed + i)
     a, b, opposite = CORNERS[(i + 1) % 3], CORNERS[(i + 2) % 3], CORNERS[i]
     a, b = a + beyond * (a - b), b + beyond * (b - a)
@@ -75,7 +75,7 @@ def test_lambda_moves_the_blend_where_it_is_seen():
 
 
 def test_the_direction_is_that_in_which_most_surfaces_face():
-    """Over the hole a fill faces the other way along the same edge than beside it."""
+    """Over the hole a fill faces the other way along the same edge than next to it."""
     up = []
     for own in (True, False):
         found = [edges("ABC"[i], sheet(i, 1), own) for i in range(3)]

@@ -105,7 +105,7 @@ def test_corners_that_disagree_get_a_fan_of_normals():
             on[:, (i + 1) % 3], on[:, (i + 2) % 3] = 1 - t, t
             n = patch.normal(on)
             assert np.degrees(np.arctan2(np.linalg.norm(np.delete(n, i, 1), axis=1), n[:, i])).max() < 1e-5
-        # beside a corner they turn from one plane to the other, one way only
+        # next to a corner they turn from one plane to the other, one way only
         for k in range(3):
             t = np.linspace(0, 1, 30)
             near = np.zeros((30, 3))

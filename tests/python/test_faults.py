@@ -109,7 +109,7 @@ def test_ended_while_it_writes(mesh):
 
 
 def test_ctrl_c_at_every_50_ms(mesh):
-    """In one process, whose timer comes later each time: the file is as it was or whole, and nothing is left beside it."""
+    """In one process, whose timer comes later each time: the file is as it was or whole, and nothing is left next to it."""
     original = mesh.read_bytes()
     done = run(
         """

@@ -215,7 +215,7 @@ def test_the_surface_of_all_parts_is_one_patch():
 
 @pytest.mark.parametrize("short", [0.3, 1e-2, 1e-4])
 def test_a_crease_has_no_more_edges_than_the_rim_however_short_those_at_its_ends_are(short):
-    """It had up to two thousand, and the parts beside it tens of thousands of triangles: most of a minute."""
+    """It had up to two thousand, and the parts next to it tens of thousands of triangles: most of a minute."""
     vertices, faces = creased(roof(60)[0])
     rim = inner_rim(faces)
     ends = [v for v in rim if abs(vertices[v, 1]) < 1e-9 and abs(vertices[v, 2]) < 1e-9]

@@ -1,4 +1,4 @@
-"""Quads that go on from those around a hole: whatever its outline, what was there comes back."""
+"""Quads that continue from those around a hole: whatever its outline, what was there comes back."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Methods that are insisted on: what they would deliver folded or crossed is refused, and options that they do not take."""
+"""Methods that are requested: what they would deliver folded or crossed is refused, and options that they do not take."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ NOT_APPLIED = ("option_of_other_methods", "options_not_taken", "options_need_smo
 
 
 def two_holes():
-    """The jagged octant, and beside it the smooth one: vertices, faces, rims and the corners of each."""
+    """The jagged octant, and next to it the smooth one: vertices, faces, rims and the corners of each."""
     vertices, faces, rim, corners = jagged(8, 0.6)
     other, _, smooth, smooth_corners = jagged(8, 0.0)
     n = len(vertices)

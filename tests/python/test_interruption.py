@@ -29,7 +29,7 @@ def octahedron():
     ],
 )
 def test_ctrl_c_ends_it(work, octahedron):
-    """SIGINT a little after the start; a program that does not look up goes on for a minute and more."""
+    """SIGINT a little after the start; a program that does not look up continues for a minute and more."""
     script = "import os, signal, threading\nimport numpy as np\nimport tripatch\n" + octahedron
     script += "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # which jobs in the background have not
     script += "threading.Timer(0.7, lambda: os.kill(os.getpid(), signal.SIGINT)).start()\n"

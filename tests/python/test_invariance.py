@@ -92,9 +92,9 @@ def test_planes_at_corners_and_choices_among_triangles_do_not_hang_on_rounding(s
 
 
 #: Thin triangles, of meshes a thousand times as long as wide and others: what bends least, layouts and references of strips;
-#: creases of three vertices; edges that go on as straight as others; rows that are exact beside a fill that is; layouts that
-#: deform all, or whose way is long; fields of strips; flips beside triangles without area; rows beside plain triangles; triangles
-#: that are as flat, and squares whose diagonals are as good, but for rounding of the whole hole; patches that tell nothing.
+#: creases of three vertices; edges that continue as straight as others; rows that are exact next to a fill that is; layouts that
+#: deform all, or whose way is long; fields of strips; flips next to triangles without area; rows next to plain triangles;
+#: triangles as flat, and squares whose diagonals are as good, but for rounding of the whole hole; patches that tell nothing.
 THIN = [124, 546, 872, 1193, 1213, 1324, 1374, 1794, 2270, 18, 89, 260, 782, 5228, 10322, 219, 111, 5316]
 
 

@@ -9,7 +9,7 @@ import tripatch
 
 
 def with_edges_split(vertices, faces, edges):
-    """Each edge gets a vertex in its middle, and the triangles beside it become two."""
+    """Each edge gets a vertex in its middle, and the triangles next to it become two."""
     vertices, faces = [np.asarray(v) for v in vertices], [list(face) for face in faces]
     for a, b in edges:
         middle = len(vertices)
@@ -92,7 +92,7 @@ def filleted_box(segments, size, radius=0.8):
 
 @pytest.mark.parametrize(("segments", "size"), [(22, (2, 3, 4)), (32, (2, 3, 4)), (39, (3, 3, 2)), (16, (5, 1.5, 2))])
 def test_planes_beside_fillets_are_those_of_the_fillets(segments, size):
-    """Strips of one row whose far end is a sharp edge, flat faces beside them: nothing but the strip itself tells its planes."""
+    """Strips of one row whose far end is a sharp edge, flat faces next to them: nothing but the strip itself tells its planes."""
     vertices, faces, rim, corners, center = filleted_box(segments, np.array(size, float))
     fill = tripatch.fill(vertices, faces, rim=rim, corners=corners, method="side_vertex")
     out = (vertices[fill.rim] - center) / 0.8

@@ -1,4 +1,4 @@
-"""What users are told has a code, and its sentence is made of one pattern."""
+"""What users read has a code, and its sentence is made of one pattern."""
 
 import copy
 import json

@@ -71,7 +71,7 @@ def test_nurbs_surfaces_are_those_of_the_kernel(degrees):
 
 
 def test_the_example_meets_the_kernels_surfaces():
-    """Border and normals against the faces beside the hole, found by projection, and the inside against the kernel's ball."""
+    """Border and normals against the faces next to the hole, found by projection, and the inside against the kernel's ball."""
     from OCP.BRep import BRep_Tool
     from OCP.GeomAPI import GeomAPI_ProjectPointOnSurf
 

@@ -33,7 +33,7 @@ def cube():
 
 
 def open_cube(n=6):
-    """A cube of triangles whose corner at the origin is cut off, with rows of n edges beside the hole."""
+    """A cube of triangles whose corner at the origin is cut off, with rows of n edges next to the hole."""
     points, index, faces = [], {}, []
 
     def vertex(p):

@@ -233,7 +233,7 @@ def test_options_by_side_have_one_value_a_side():
     assert mixed.report.continuity == ["G1", "G0", "G1", "Free", "G1"]
     plain = tripatch.fill(vertices, faces, **hole, bulge=1.5)
     assert np.array_equal(tripatch.fill(vertices, faces, **hole, bulge=(1.5,) * 5).vertices, plain.vertices)
-    # of side 2 alone: more beside it than beside the others
+    # of side 2 alone: more next to it than next to the others
     fuller = tripatch.fill(vertices, faces, **hole, bulge=(1, 1, 1.5, 1, 1))
     even = tripatch.fill(vertices, faces, **hole, method="multi_sided")
     ends = even.patch.domain
@@ -321,7 +321,7 @@ def test_quads_and_cages_between_two_sides(n):
 
 
 def plane_sides(corners, across):
-    """Straight sides of a flat polygon but the first, which lies across(t) times its length beside the line; derivative too."""
+    """Straight sides of a flat polygon but the first, which lies across(t) times its length next to the line; derivative too."""
     corners = np.asarray(corners, float)
 
     def side(i):
@@ -497,7 +497,7 @@ def test_a_round_patch_whose_side_leads_outwards_says_that_it_folds():
 
 @pytest.mark.parametrize("edges", [10, 16, 40])
 def test_what_closes_the_base_of_a_flat_cone_stays_at_the_hole(edges):
-    # its wall goes on outwards: a surface of revolution that continues it came back from 1.3 diameters away
+    # its wall continues outwards: a surface of revolution that continues it came back from 1.3 diameters away
     angles = 2 * np.pi * np.arange(edges) / edges
     circle = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
     vertices = np.concatenate([circle, 0.6 * circle + [0, 0, 0.3], [[0, 0, 0.75]]])

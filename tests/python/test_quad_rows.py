@@ -1,4 +1,4 @@
-"""Quads in the place of a block of quads: rows that go on across the hole."""
+"""Quads in the place of a block of quads: rows that continue across the hole."""
 
 import numpy as np
 import pytest

@@ -85,7 +85,7 @@ def test_however_it_is_written_down_the_rim_stays_and_sides_are_met(hole, look, 
         assert set(fill.rim) == set(number[rim].tolist())
         added, there = directed(fill.faces), directed(faces)
         assert max(added.values()) == 1 and not any(edge in there for edge in added)
-        if not len(fill.split_edges[0]):  # else the face beside it is to take the new vertex
+        if not len(fill.split_edges[0]):  # else the face next to it is to take the new vertex
             assert all((b, a) in added or (b, a) in there for a, b in added), "the fill is closed, and its rim is the mesh's"
         # degrees: of exact derivatives, so that what is left is rounding, at corners with a kink most
         kept = [a for a, side in zip(fill.report.seam_angle_max_by_side, fill.report.continuity) if side in ("G1", "G2")]

@@ -1,4 +1,4 @@
-"""Rows of quads that go on across holes of any outline, and past a pole in them."""
+"""Rows of quads that continue across holes of any outline, and past a pole in them."""
 
 import numpy as np
 import pytest
@@ -178,7 +178,7 @@ def test_where_no_rows_go_on_something_else_is_made():
 
 
 def test_four_corners_of_a_ragged_rim_get_a_grid():
-    """Sides that zigzag, among triangles: no patch lies between them, and no rows go on."""
+    """Sides that zigzag, among triangles: no patch lies between them, and no rows continue."""
     n = 16
     at = np.linspace(-1, 1, n + 1)
     x, y = (each.ravel() for each in np.meshgrid(at, at, indexing="ij"))

@@ -279,7 +279,7 @@ SLICER = b"; settings of a slicer\nlayer_height = 0.2\n"
 
 
 def threemf(path, colors=False):
-    """A package that is made by lib3mf: the bowl, placed in the build by a component, and a file of a slicer beside it."""
+    """A package that is made by lib3mf: the bowl, placed in the build by a component, and a file of a slicer next to it."""
     lib3mf = pytest.importorskip("lib3mf")
     points, faces = bowl()
     wrapper = lib3mf.get_wrapper()

@@ -143,12 +143,12 @@ def test_g1_makes_the_spline_go_on_from_walls(corners):
 
 @pytest.mark.parametrize("method", ["auto", "polyharmonic_spline"])
 def test_the_sides_that_a_face_goes_on_beyond_are_continued(method):
-    """A cylinder's face that has a wall along one side, and goes on beyond the two others."""
+    """A cylinder's face that has a wall along one side, and continues beyond the two others."""
     vertices, faces, rim, at = column(cylinder, TRIANGLE)
     wall = [f for f in faces.tolist() if {v % 36 for v in f} <= set(range(13))]
     points, beyond = [*vertices], []
     outer = {}
-    for k in [*range(12, 36), 0]:  # the two other sides go on outwards, row by row
+    for k in [*range(12, 36), 0]:  # the two other sides continue outwards, row by row
         for j in range(5):
             x, y = vertices[k, :2] * (1 + 0.08 * j)
             outer[k, j] = k if j == 0 else len(points)

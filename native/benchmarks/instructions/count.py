@@ -1,4 +1,4 @@
-"""Counts the instructions of hot paths under callgrind, beside those that are kept in counts.json.
+"""Counts the instructions of hot paths under callgrind, next to those that are kept in counts.json.
 
 python count.py PROGRAM [keep]
 """

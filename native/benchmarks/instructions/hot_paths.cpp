@@ -110,7 +110,7 @@ const std::map<std::string, std::function<void()>> paths = {
 
 }  // namespace
 
-/// What callgrind is told to count.
+/// What callgrind counts.
 extern "C" [[gnu::noinline]] void measured(const std::function<void()>& path) { path(); }
 
 int main(int argc, char** argv) {

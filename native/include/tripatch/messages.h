@@ -201,7 +201,7 @@ struct Parameter {
   Parameter(std::string called, Value any) : name(std::move(called)), value(std::move(any)) {}
 };
 
-/// What a user is told: a code and what its sentence names. Sentences are made of it where they are shown.
+/// What a user reads: a code and what its sentence names. Sentences are made of it where they are shown.
 struct Message {
   Code code;
   std::vector<Parameter> parameters = {};

@@ -86,16 +86,16 @@ std::span<const Option> options();
 /// Whether a method reads an option of a fill.
 bool takes(const Method& method, const Option& option);
 /// Names of the options that are not at their defaults, go with the output, and are none that a method reads, in their order. A continuity that is left open, or
-/// G1, every method has: more than that is told of by what makes the patch. patch: of those that concern the patch alone.
+/// G1, every method has: more than that is reported by what makes the patch. patch: of those that concern the patch alone.
 std::vector<std::string> not_taken(const Method& method, const FillOptions& given, bool patch = false);
 /// Throws InvalidArgument where a method that is named does not read what is given; but what several other patches between sides read,
-/// and a named one does not, is told.
+/// and a named one does not, is reported.
 void check_taken(const FillOptions& given);
 /// Options that mean nothing for a fill, each with a code that says why: what it is given changes nothing. Of options that choose a hole
 /// or its surroundings nothing is said, but of corners.
 ///   "output"      of other kinds of faces
 ///   "method"      of other methods
-///   "sides"       the fill has no sides: it goes on from the whole surrounding surface, or as rows
+///   "sides"       the fill has no sides: it continues from the whole surrounding surface, or as rows
 ///   "three_sides" the fill has other than three sides
 ///   "position"    the sides are met in position only
 ///   "fairing"     there is no fairing

@@ -45,7 +45,7 @@ class Curve:
     Attributes:
         name: of the object.
         closed: t = 1 is t = 0 again.
-        own: in the direction of t, a fill beside it faces as the object does.
+        own: in the direction of t, a fill next to it faces as the object does.
         t, points: (n,) and (n, 3), where it is drawn; of a closed curve without t = 1.
     """
 
@@ -237,8 +237,8 @@ class Loop:
         return made
 
     def joined_sides(self) -> list[tuple[Side, Array]]:
-        """As `sides`, those that go on smoothly from one object to the next as one; all of them are a round rim. Three sides stay
-        three. `groups` then holds which curves each is made of."""
+        """As `sides`, those that continue smoothly from one object to the next as one; all of them are a round rim. Three sides
+        stay three. `groups` then holds which curves each is made of."""
         made = self.sides()
         n = len(made)
         if self.ring:
@@ -262,7 +262,7 @@ class Loop:
 
 
 def _goes_on(side: Side, after: Side) -> bool:
-    """Whether a side goes on smoothly in the one after it: tangents and planes."""
+    """Whether a side continues smoothly in the one after it: tangents and planes."""
     (_, along, _, normal), (_, there, _, theirs) = side.evaluate([1.0]), after.evaluate([0.0])
 
     angles = _native._angles(np.vstack([along, normal]), np.vstack([there, theirs]))
@@ -312,7 +312,7 @@ def _crossings(a: SurfaceEdge, b: SurfaceEdge) -> list[Joint]:
 
 
 def _mesh_joints(a: MeshBorder, b: Curve, tolerance: float) -> list[Joint]:
-    """Vertices of a mesh's border beside a curve: where the two run along each other only the first and the last of them."""
+    """Vertices of a mesh's border next to a curve: where the two run along each other only the first and the last of them."""
     t, gaps = b.nearest(a.points)
     near = gaps <= tolerance
     if not near.any():
@@ -341,7 +341,7 @@ def _joints(a: Curve, b: Curve, tolerance: float) -> list[Joint]:
     else:
         assert isinstance(a, SurfaceEdge) and isinstance(b, SurfaceEdge)
         found = _surface_joints(a, b)
-    # Beside ends that meet, a place between is no joint of its own.
+    # Next to ends that meet, a place between is no joint of its own.
     kept = [j for j in found if j.whole]
     met = [(a.at(j.a)[0], b.at(j.b)[0]) for j in kept if j.gap <= tolerance]
     for j in found:
@@ -403,7 +403,7 @@ def _follow(v: tuple[float, float], w: tuple[float, float]) -> bool:
 
 def facing(loop: Loop, over: Sequence[bool] | None = None) -> Loop:
     """The loop in the direction in which most of its curves have the normals of their objects. over: whose objects lie over the
-    hole, not beside it."""
+    hole, not next to it."""
     over = over or [False] * len(loop.curves)
     own = sum((curve.own == (way[1] > way[0])) != above for curve, way, above in zip(loop.curves, loop.ends, over, strict=True))
     if 2 * own >= len(loop.curves):

@@ -141,7 +141,7 @@ class Holes:
         return np.array([self._edges.get(pair, pair)[0] for pair in pairs], np.int64)
 
     def brought_back(self, native: _native.Filled) -> Any:
-        """A fill of the joined mesh by the mesh's own vertices: at the rim those of the faces beside it."""
+        """A fill of the joined mesh by the mesh's own vertices: at the rim those of the faces next to it."""
         if self._edges is None:
             return native
         corners, starts = native.face_corners.copy(), native.face_offsets.tolist()

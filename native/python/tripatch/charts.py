@@ -79,7 +79,7 @@ def continue_corners(
         places: (r + k, 3) positions of the vertices of the rim, a single loop, and of those inside.
         faces: of rows of `places`.
         at_ends: (2 r, d) the values at the start and the end of every rim edge; d = 2: UVs.
-        around: for each rim edge the positions (c, 3) and values (c, d) of the corners of the face beside it.
+        around: for each rim edge the positions (c, 3) and values (c, d) of the corners of the face next to it.
         blend: continues values (2 r, d) at the ends of the rim edges to the vertices inside (k, d).
 
     Returns:
@@ -91,7 +91,7 @@ def continue_corners(
     if parted.sum() < 2:
         return None
     part = np.cumsum(parted)
-    part[part == part[-1]] = 0  # the last goes on through the start of the loop
+    part[part == part[-1]] = 0  # the last continues through the start of the loop
     part = np.unique(part, return_inverse=True)[1]
     shares = Shares(part.tolist(), blend, following)
     of_edge = {(k, int(following[k])): int(part[k]) for k in range(count)}
@@ -124,7 +124,7 @@ def _jacobian(places: Array, uv: Array) -> tuple[Array, Array, float]:
 
 def _chart(places: Array, faces: Any, at_ends: Array, mine: Array, around: Any, blend: Blend) -> Array:
     """Values (r + k, d) of one chart. Those of its rim edges stay; UVs elsewhere are as rigid as possible in the metric of the
-    faces beside them, other values are blended. mine (r,): its rim edges."""
+    faces next to them, other values are blended. mine (r,): its rim edges."""
     edges, count = np.flatnonzero(mine), len(mine)
     values = _blended(at_ends, mine, blend)
     ends = np.stack([2 * edges, 2 * edges + 1], axis=1).ravel()

@@ -1,6 +1,6 @@
 """Three surfaces over one triangle, for `blend`, from surfaces and meshes at a hole.
 
-What lies over the hole is a constituent itself. What lies beside the hole is continued into it from its border, straight.
+What lies over the hole is a constituent itself. What lies next to the hole is continued into it from its border, straight.
 """
 
 from __future__ import annotations

@@ -30,7 +30,7 @@ class Fill:
         barycentric: (k, 3) of `vertices`, on a patch of three sides.
         uv, rim_uv: (k, 2), (r, 2) of `vertices` and of the rim, on a patch over a plane domain, else None.
         deviation: (k,) standard deviation of `vertices`, in units of the mesh; None where the method does not know it.
-        feature_edges: (k, 2) edges of the fill, numbered as in `faces`, on which creases of the surroundings go on, and those
+        feature_edges: (k, 2) edges of the fill, numbered as in `faces`, on which creases of the surroundings continue, and those
             of the rim where a lid meets the mesh at an angle.
         rim: (r,) vertex indices from corner 0 on, no repeat; those of islands follow.
         loops: how many of them each loop has, that around the islands first.

@@ -1,4 +1,4 @@
-"""What users are told: codes with parameters, and the sentences that interfaces make of them by one table."""
+"""What users read: codes with parameters, and the sentences that interfaces make of them by one table."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ _NEAR = 1e-7
 _DEGREE, _MOST = 5, 20
 #: Spans between knots that are tried, in both directions; and what more of them must leave of the deviation to be worth it.
 _SPANS, _WORTH = (1, 2, 4, 8, 16, 32), 0.5
-#: Of a side: where its seam is not looked at beside the corners, as in reports.
+#: Of a side: where its seam is not looked at next to the corners, as in reports.
 _BESIDE_CORNER = 0.01
 
 #: From places (k, 2) of the unit square to places of a patch.
@@ -247,7 +247,7 @@ def nurbs(patch: Patch, tolerance: float | None = None) -> NurbsPatch:
 
     Args:
         patch: of sides or of surfaces; over the triangle, a polygon or a disc.
-        tolerance: largest distance in the patch's units; None: 1e-7 of its size. Patches beside meshes, whose sides are splines,
+        tolerance: largest distance in the patch's units; None: 1e-7 of its size. Patches next to meshes, whose sides are splines,
             may not reach it: what is reached is stated.
 
     Returns:

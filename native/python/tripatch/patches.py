@@ -72,8 +72,8 @@ def patch(
     of the patch is given as a warning.
 
     Args:
-        sides: `Side` objects in the order of the rim; a list of them, from end to end, is one side of several pieces that go on
-            smoothly, within 10 degrees. Of three, side i is opposite corner i and runs from corner i + 1 to corner
+        sides: `Side` objects in the order of the rim; a list of them, from end to end, is one side of several pieces that
+            continue smoothly, within 10 degrees. Of three, side i is opposite corner i and runs from corner i + 1 to corner
             i + 2; of another number side i runs from corner i to corner i + 1, and options by side have so many values. A side
             whose speed falls below a quarter of its length somewhere is run through by length, but not one of three where a
             method is named; four and more are all of them run so where the speed of one changes quickly.

@@ -170,7 +170,7 @@ def _between(a: Array, b: Array) -> Array:
 
 
 def folded(vertices: Array, triangles: Array) -> Array:
-    """Whether a triangle (t,) and one beside it face more than 120 degrees apart."""
+    """Whether a triangle (t,) and one next to it face more than 120 degrees apart."""
     at_fold = np.zeros(len(triangles), bool)
     if len(triangles):
         _, f, g = _edges(triangles)
@@ -214,7 +214,7 @@ class _Around:
 
     def side(self, start: int, past_corners: bool) -> tuple[list[Any], float]:
         """The vertices of one side of the seam around a triangle of it, without what lies behind sharp edges, and the cosine of
-        the largest angle between two of its triangles beside each other."""
+        the largest angle between two of its triangles next to each other."""
         seen, front, found = {start}, [start], set(self._corners[start])
         least, ends = 1.0, self._seam if past_corners else self._turned
         for _ in range(_FAR):
@@ -249,7 +249,7 @@ class _Around:
         return min(angles)
 
     def sharp_beyond(self, vertices: Array, end: int, before: int) -> float | None:
-        """The angle of the sharp edge outside the seam that goes on straightest at the end of an edge of it; None without one."""
+        """The angle of the sharp edge outside the seam that continues an edge of it straightest at its end; None without one."""
         outside = [pair for pair in self.of_edge if end in pair and pair not in self._seam]
         sharp = [
             (vertices[other] - vertices[end], other)
@@ -303,7 +303,7 @@ def seam_angles(vertices: Array, triangles: Array, edges: Array) -> Array:
 
 def _creases(vertices: Array, edges: Array, angles: Array, around: _Around) -> Array:
     """For each edge (k,) of a seam the angle of the crease that runs along it from outside: at sharp edges between two vertices
-    where sharp edges go on that are none of the seam."""
+    where sharp edges continue that are none of the seam."""
     had, at = np.zeros(len(edges)), dict[int, list[int]]()
     for k in np.flatnonzero(angles > _SHARP).tolist():
         for v in edges[k].tolist():

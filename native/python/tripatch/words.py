@@ -1,4 +1,4 @@
-"""What a person is told of fills and refusals: the same words on the command line and in Blender."""
+"""What users read of fills and refusals: the same words on the command line and in Blender."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def suggested(word: str, known: Iterable[object]) -> str:
 
 
 def degrees(angle: float) -> str:
-    """An angle in degrees, to two digits; the smallest that is told is 0.001."""
+    """An angle in degrees, to two digits; the smallest that is reported is 0.001."""
     return f"{angle:.0f}°" if angle >= 99.5 else f"{max(angle, 0.001):.2g}°"
 
 

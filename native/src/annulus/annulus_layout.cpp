@@ -135,7 +135,7 @@ std::vector<double> mark(const Ring& ring, const std::vector<double>& places, bo
     double least = INFINITY;
     for (std::size_t k = 0; k < n; ++k) {
       const std::size_t before = (k + n - 1) % n, beyond = (k + 1) % n;
-      // no two beside each other
+      // no two next to each other
       const bool free = !merged[k] && !merged[before] && !merged[beyond] && (!pair || !merged[(k + n - 2) % n]);
       const double middle = pair ? ring.u[k] : ring.u[k] + 0.5 * std::abs(near_to(ring.u[beyond], ring.u[k]) - ring.u[k]);
       const double apart = std::abs(near_to(middle, u) - u);
@@ -151,7 +151,7 @@ std::vector<double> mark(const Ring& ring, const std::vector<double>& places, bo
   return left;
 }
 
-/// Edges that must come together although no free one is left beside them: any, evenly.
+/// Edges that must come together although no free one is left next to them: any, evenly.
 void mark_any(std::size_t count, std::vector<char>& merged) {
   const std::size_t n = merged.size();
   for (std::size_t j = 0; j < count; ++j) {

@@ -18,7 +18,7 @@
 namespace tripatch {
 namespace {
 
-/// Vertices beyond the first that a spline round a rim goes on to: what its ends do has died away to rounding then.
+/// Vertices beyond the first that a spline round a rim continues to: what its ends do has died away to rounding then.
 constexpr Index wrapped = 28;
 /// Three corners are put in so many ways that every vertex is far from them in one, and in the same way each.
 constexpr Index most_placements = 24;
@@ -106,7 +106,7 @@ AcrossRim seen_in_sides(const Mesh& mesh, const Connectivity& around, const std:
 /// as far off as they say at a tenth of 653 rims of 12 to 64 edges.
 constexpr double sides_say_too_little = 3;
 
-/// What a vertex of a round rim is compared with others by: distances from the middle and, with this weight, how far the face beside it
+/// What a vertex of a round rim is compared with others by: distances from the middle and, with this weight, how far the face next to it
 /// leans, of the vertices from it on, each counting less. Equal ones lie alike, unless only what bends farther off differs.
 constexpr double lean_counts = 0.37;
 
@@ -115,7 +115,7 @@ constexpr double lean_counts = 0.37;
 constexpr double planes_off = 6;
 /// A median that is rounding tells nothing.
 constexpr double planes_exact = 1e-6;
-/// So few waves that two planes beside each other that are off do not bend them; and rounds after which nothing changes by a tenth: choices.
+/// So few waves that two planes next to each other that are off do not bend them; and rounds after which nothing changes by a tenth: choices.
 constexpr Index vertices_a_plane_wave = 6;
 constexpr int robust_rounds = 10;
 
@@ -187,7 +187,7 @@ Beginning beginning_of_closed(const Mesh& mesh, const Connectivity& around, cons
   const Points points = mesh.vertices(rim, Eigen::all);
   const Vec3 middle = points.colwise().mean();
   const std::vector<FaceBeyond> beyond = faces_beyond(mesh, around, {rim});
-  std::vector<double> before, after;  // of the edges beside each vertex
+  std::vector<double> before, after;  // of the edges next to each vertex
   for (Index k = 0; k < n; ++k) {
     const Vec3 from = Vec3(points.row(k)) - middle;
     after.push_back(from.norm() + lean_counts * from.dot(beyond[k].normal.stableNormalized()));

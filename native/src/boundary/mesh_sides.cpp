@@ -25,10 +25,10 @@ namespace {
 
 constexpr int samples_a_side = 6;  ///< about as many stencils a side tell the variance components
 
-/// How edges farther along a side count where its ends are compared, and the neighbors' edges beside them.
+/// How edges farther along a side count where its ends are compared, and the neighbors' edges next to them.
 constexpr double next_edge_counts = 0.37;
 
-/// Whether a side is looked at from its end on: the end with the longer edges beside it, of the side and of its neighbors.
+/// Whether a side is looked at from its end on: the end with the longer edges next to it, of the side and of its neighbors.
 bool begins_at_end(const LocalMesh& w, int from, int edges) {
   const int n = static_cast<int>(w.rim.size());
   const auto at = [&](int k) -> const Vec3& { return w.position[w.rim[(from + k + n) % n]]; };
@@ -40,7 +40,7 @@ bool begins_at_end(const LocalMesh& w, int from, int edges) {
   return clearly_more(end, start);
 }
 
-/// The three sides with the curves through their vertices and the planes of the faces beside them.
+/// The three sides with the curves through their vertices and the planes of the faces next to them.
 std::array<SideDraft, 3> drafts_of(const LocalMesh& w, const Mesh& mesh, const Hole& hole) {
   const int n = static_cast<int>(w.rim.size());
   std::array<SideDraft, 3> drafts;
@@ -50,7 +50,7 @@ std::array<SideDraft, 3> drafts_of(const LocalMesh& w, const Mesh& mesh, const H
     const int edges = (to - from + n) % n;
     if (edges < 1) throw InvalidArgument("the three corners of a hole must be three places of its rim, in its order");
     side.from_end = begins_at_end(w, from, edges);
-    std::vector<Vec3> face;  // area vectors beside the edges
+    std::vector<Vec3> face;  // area vectors next to the edges
     side.t = {0};
     for (int k = 0; k <= edges; ++k) {
       side.vertex.push_back(w.rim[(from + k) % n]);
@@ -104,7 +104,7 @@ VarianceComponents components_of(const LocalMesh& w, const std::array<SideDraft,
         for (int k = 0; k < 8; ++k) radius += Vec3(of.x[k], of.y[k], of.z[k]).norm();
       points += static_cast<double>(s.points);
     }
-  // the squared curvature that the faces beside the rim show, to start with
+  // the squared curvature that the faces next to the rim show, to start with
   double bend = 0;
   const int n = static_cast<int>(w.rim.size());
   for (int k = 0; k < n; ++k) {

@@ -14,7 +14,7 @@ constexpr double beside_pole = 1.0 / 256;
 /// Degrees by which planes turn in that piece, and how many times as much as in the one before, where it is a pole: less is a bend.
 constexpr double turned_at_pole = 2, jump_at_pole = 10;
 
-/// The field with the piece beside its start continued from what follows, by the parabola through three places.
+/// The field with the piece next to its start continued from what follows, by the parabola through three places.
 PiecewisePolynomial continued_to_start(const PiecewisePolynomial& f) {
   if (f.empty()) return f;
   const double h = beside_pole;

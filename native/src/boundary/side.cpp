@@ -38,7 +38,7 @@ std::array<Vec3, 2> normals_at_corner(const Side& in, const Side& out, bool in_c
   return {n.stableNormalized(), n.stableNormalized()};
 }
 
-/// The side of a mesh with the curve that its vertices tell: its own bends between them as the faces beside it do.
+/// The side of a mesh with the curve that its vertices tell: its own bends between them as the faces next to it do.
 void run_by_vertices(Side& side) {
   if (side.rim.empty()) return;
   std::vector<double> points;

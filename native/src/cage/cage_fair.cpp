@@ -14,7 +14,7 @@ namespace tripatch {
 namespace {
 
 // Numbers around these were tried on six cages: between bevels of two, three and five segments, and of one to three rings at a ball's corners.
-// What is told is by how much of the diameter a vertex of one of them moves at most.
+// Reported is by how much of the diameter a vertex of one of them moves at most.
 constexpr double nothing = 1e-9;  ///< energies (no units) below which there is no more to gain; 1e-9 with 1e-7
 /// Squared weight, over the hole's size squared, that keeps what shall not move where it is; that of the energies is about 1 (0 with
 /// 1e8).

@@ -176,7 +176,7 @@ void CageFill::fit(const std::vector<SurfacePtr>& patches, const std::vector<boo
     }
     if (std::find(open_.begin(), open_.end(), 1) == open_.end()) return;
   }
-  // The limit surface beside the rim is bound to the surroundings and may follow the less, the more rows there are: crumpled rows
+  // The limit surface next to the rim is bound to the surroundings and may follow the less, the more rows there are: distorted rows
   // that do not reach the tolerance either are worse than few. Rows that cross each other are worse than any distance.
   for (std::size_t k = 1; k < crossed.size(); ++k) {
     if (crossed[k] <= crossed[0]) continue;

@@ -17,9 +17,9 @@ Eigen::Matrix3d metric(const Vec3& normal, double across, double along) {
   return across * across * n + along * along * (Eigen::Matrix3d::Identity() - n);
 }
 
-/// Where on an edge of an exact rim the derivative across is held: denser towards its ends, where the next edge's face goes on.
+/// Where on an edge of an exact rim the derivative across is held: denser towards its ends, where the next edge's face continues.
 constexpr std::array<double, 7> seam_places = {0.0, 0.15, 0.35, 0.5, 0.65, 0.85, 1.0};
-constexpr int seam_trust_power = 3;  ///< how fast the rows beside a corner lose weight, in edges from it
+constexpr int seam_trust_power = 3;  ///< how fast the rows next to a corner lose weight, in edges from it
 
 /// Along an edge of a face, in its own u and v: a place, and the direction of the edge that ends where this one starts, backwards.
 struct EdgeFrame {
@@ -86,7 +86,7 @@ Seam seam_of(const CageSurfaces& surfaces, const SidedRim& hole, const CageSides
       const std::size_t corners = surfaces.closed.faces[place.face].size();
       if (!surfaces.loop && corners != 4) continue;
       for (double s : seam_places) {
-        // a smooth rim leaves the quad in its corner no tangent plane there, and little freedom beside it
+        // a smooth rim leaves the quad in its corner no tangent plane there, and little freedom next to it
         const double along_side = static_cast<double>(e) + s, from_corner = std::min(along_side, count - along_side);
         if (from_corner == 0) continue;
         const double trust = std::pow(std::min(1.0, from_corner), seam_trust_power), t = along_side / count;

@@ -36,7 +36,7 @@ Jet<M - 1> homogeneous_partial(const Jet<M>& f, const Barycentric<M>& b, int i, 
 template <int N>
 Jet<N> mu_jet(const Barycentric<N>& b, int i, double lambda, int derivative = 0) {
   const int k = (i + 2) % 3;
-  const double scale = 1 / (b[i].value() + b[k].value());  // homogeneous: nothing underflows beside the corner where both vanish
+  const double scale = 1 / (b[i].value() + b[k].value());  // homogeneous: nothing underflows next to the corner where both vanish
   const Jet<N> u = square(b[i] * scale), w = square(b[k] * scale);
   const Jet<N> r = reciprocal(lambda * u + (1 - lambda) * w);
   if (derivative == 0) return (1 - lambda) * (w * r);

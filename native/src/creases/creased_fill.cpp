@@ -28,7 +28,7 @@ using EdgeKey = std::array<Index, 2>;
 /// creases (features.cpp) none has more than 17; with twelve their fills are as near in the mean.
 constexpr Index most_of_chain = 24;
 /// New edges along a crease for each of the rim's, where no resolution asks for more: the crease is no longer than half of the rim, and
-/// where the edges at its ends are much shorter than the others the parts beside it had 60,000 triangles, of a rim of 65 edges.
+/// where the edges at its ends are much shorter than the others the parts next to it had 60,000 triangles, of a rim of 65 edges.
 constexpr Index crease_edges_a_rim_edge = 1;
 
 /// Of an edge: a crease that passes a vertex of the rim more closely leaves parts that touch themselves there. On which side of it the vertex
@@ -310,7 +310,7 @@ CreasedPart creased_part(const Mesh& mesh, const Connectivity& around, const Div
   return part;
 }
 
-/// Where the domains of the parts go: each beside one that shares a crease with it, no nearer than their curves allow.
+/// Where the domains of the parts go: each next to one that shares a crease with it, no nearer than their curves allow.
 std::vector<PlaneMotion> hinged_motions(const Division& division, const std::vector<PlaneFill>& fills) {
   const std::vector<VertexLoop>& loops = division.loops();
   std::vector<PlaneMotion> motions(fills.size());
@@ -432,7 +432,7 @@ private:
     out.surface = std::move(hinged);
   }
 
-  /// Whether a surface has the parts' own vertices in them, and is nearer to each point of a crease than those beside it are.
+  /// Whether a surface has the parts' own vertices in them, and is nearer to each point of a crease than those next to it are.
   bool are_found(const HingedSurface& hinged, const PlaneFill& out) const {
     const Index r = static_cast<Index>(rim_.size());
     for (std::size_t part = 0; part < fills_.size(); ++part)

@@ -23,7 +23,7 @@ using EdgePair = std::array<Index, 2>;
 // degrees, edges of drums, corners of three planes, chamfers; without noise, with 2 and 6% of an edge. Two percentages tell by how much
 // fills are farther in the geometric mean: with half, with twice of it.
 constexpr double one_degree = std::numbers::pi / 180;
-/// And so many times what three quarters of the edges around stay below, and the half of those beside the crease: noise of a tenth of an
+/// And so many times what three quarters of the edges around stay below, and the half of those next to the crease: noise of a tenth of an
 /// edge, and coarse triangles of anything round, stay below that (-2%, 29%; share of 0.38: 3%).
 constexpr double above_noise = 3, ordinary_share = 0.75;
 /// Between smooth faces (smooth_angle) a crease that is sharp at the rim is followed to half of that: where two pipes meet it gets blunt
@@ -33,12 +33,12 @@ constexpr double still_crease = 0.5;
 constexpr double sharpest_turn = 45 * one_degree;
 /// A crease of a single edge is believed where the edge is this share of the diameter, or longer: a choice, for none of the 68 is so.
 constexpr double long_edge = 0.25;
-/// One that gets blunt is believed to go on across the hole where it is this long; those of animals' faces and limbs seldom are. Where
+/// One that gets blunt is believed to continue across the hole where it is this long; those of animals' faces and limbs seldom are. Where
 /// ordinary edges turn by more than the angle it must be longer, and corners at which it could end cannot be told from others. The two
 /// lengths: 0%, 35% and 0%, 30%; the angle: 40%, 0%.
 constexpr double least_blunt_length = 0.35, least_rough_length = 0.5;
 constexpr double smooth_angle = 5 * one_degree;
-/// Between the directions in which two ends go on and the line between them, at most. A circle's arc over a chord of 1.7 radii has 58.
+/// Between the directions in which two ends continue and the line between them, at most. A circle's arc over a chord of 1.7 radii has 58.
 /// (51%, 2%.)
 constexpr double widest_view = 65 * one_degree;
 /// Ends that see each other with less, both together, belong together whatever else meets there (0%, 46%).
@@ -52,7 +52,7 @@ constexpr double meeting_share = 0.15;
 /// Of the determinant of the sum of the projections along them, 0 for one direction: less, and lines are nearly parallel. Three lines
 /// within 1.1 degrees of one direction have that (0%, 0%).
 constexpr double least_spread = 1e-2;
-/// A rim edge goes on along a crease where it leaves neither face by more than this, or than this times what the crease's own edges
+/// A rim edge continues along a crease where it leaves neither face by more than this, or than this times what the crease's own edges
 /// do, nor the crease's direction by more than 25 degrees (0%, 0%; 14%, 0%; with 51 degrees 8%, not at all 34%).
 constexpr double in_face = 3 * one_degree, as_curved = 1.5, along_crease = 0.9;
 
@@ -201,7 +201,7 @@ private:
     return others < 2 || !smooth_beside;
   }
 
-  /// Whether a crease stands out from what is beside it.
+  /// Whether a crease stands out from what is next to it.
   bool stands_out(const std::vector<Index>& chain) const {
     double sum = 0, length = 0;
     std::vector<double> beside;
@@ -244,7 +244,7 @@ private:
     return end;
   }
 
-  /// How far a step leaves the faces beside the edge of a chain before it: the sines of both angles, the larger.
+  /// How far a step leaves the faces next to the edge of a chain before it: the sines of both angles, the larger.
   double leaves(const Vec3& way, Index from, Index to) const {
     const auto left = around_.edge(from, to), right = around_.edge(to, from);
     if (!left || !right) return 1;
@@ -253,7 +253,7 @@ private:
                     std::abs(unit.dot(unit_normal(mesh_, around_.face(*right)))));
   }
 
-  /// The rim itself may go on along the crease for some edges: where they leave its faces no more than its own edges do.
+  /// The rim itself may continue along the crease for some edges: where they leave its faces no more than its own edges do.
   void follow_rim(CreaseEnd& end) const {
     const Index n = static_cast<Index>(rim_.size());
     const Index from = end.chain[1], to = end.chain[0];

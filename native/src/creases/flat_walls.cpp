@@ -23,7 +23,7 @@ constexpr double least_turn = 20 * std::numbers::pi / 180;
 constexpr double least_end_angle = 40 * std::numbers::pi / 180;
 /// The same where it is enough that half of the rim's edges have it.
 constexpr double clear_end_angle = 60 * std::numbers::pi / 180;
-/// The same where walls lean far under the rim, less than 30 degrees from what lies in it: whatever goes on from them leaves the hole, so that
+/// The same where walls lean far under the rim, less than 30 degrees from what lies in it: whatever continues from them leaves the hole, so that
 /// walls need not meet at creases.
 constexpr double under_rim = 150 * std::numbers::pi / 180;
 /// Between faces of one wall, at most.
@@ -33,7 +33,7 @@ constexpr double farthest_node = 1;
 /// Radians over half of the hole's diameter: walls that bend by less away from the rim are straight. The end of a spring whose wire is a fifth as
 /// thick as its coil bends by 0.17 there, a ball cut in half by 1.
 constexpr double least_bend = 0.1;
-/// Planes beside a rim, as a prism has them whose walls meet at least_crease_angle; and planes that may be those of walls without faces.
+/// Planes next to a rim, as a prism has them whose walls meet at least_crease_angle; and planes that may be those of walls without faces.
 constexpr std::size_t most_planes = 16, most_unseen = 8;
 /// Walls of a hole of which no face is left: what one vertex of a solid takes with it.
 constexpr std::size_t most_lost = 3;
@@ -165,7 +165,7 @@ private:
     return area_vector(mesh_, face).dot(plane.normal) > 0 && contains(plane, mesh_.faces[face]);
   }
 
-  /// Of the faces beside the rim's edges; false where these are not flat, or too many.
+  /// Of the faces next to the rim's edges; false where these are not flat, or too many.
   bool read_planes() {
     for (Index k = 0; k < n_; ++k) {
       const auto corner = around_.edge(rim_[(k + 1) % n_], rim_[k]);
@@ -208,7 +208,7 @@ private:
     return flat;
   }
 
-  /// The one wall in whose plane the rim is, where it goes on beside some of it and ends at the rest, or not far from it.
+  /// The one wall in whose plane the rim is, where it continues next to some of it and ends at the rest, or not far from it.
   std::optional<FlatWalls> wall_of(const Plane& flat) const {
     Index goes_on = 0;
     for (Index k = 0; k < n_; ++k) {
@@ -297,7 +297,7 @@ private:
     return false;
   }
 
-  /// By how much the border of a wall turns at a place, to the left as it goes on around the wall; none where it does not pass there.
+  /// By how much the border of a wall turns at a place, to the left as it continues around the wall; none where it does not pass there.
   std::optional<double> turn(std::size_t wall, Index place) const {
     const Index k = place % n_, last = (k + n_ - 1) % n_;
     if (beside_[k] != wall_[wall] || beside_[last] != wall_[wall]) return {};
@@ -434,8 +434,8 @@ private:
   Index n_;
   double across_, within_;
   std::vector<Plane> planes_;
-  std::size_t seen_ = 0;             // of these, beside the rim; the normals of the others may be turned over
-  std::vector<std::size_t> beside_;  // the plane of the face beside each edge of the rim
+  std::size_t seen_ = 0;             // of these, next to the rim; the normals of the others may be turned over
+  std::vector<std::size_t> beside_;  // the plane of the face next to each edge of the rim
   std::vector<Index> first_;
   std::vector<std::size_t> wall_;  // planes
 };

@@ -110,7 +110,7 @@ private:
   std::vector<Vec2> way_;    // the edges as they are seen
 };
 
-/// Whether the faces beside a side, but for those beside each other, have none beyond them that bends by so much (radians).
+/// Whether the faces next to a side, but for those next to each other, have none beyond them that bends by so much (radians).
 bool is_strip(const LocalMesh& w, const SideDraft& side, double bend) {
   const auto beside = [&](int f) { return std::find(side.face.begin(), side.face.end(), f) != side.face.end(); };
   for (std::size_t k = 0; k < side.face.size(); ++k)
@@ -148,7 +148,7 @@ EndOfSide end_of(const LocalMesh& w, const SideDraft& side, bool end, const Vec3
   return {angle_between(last, plane), turn, angle_between(before, plane) > turn, false};
 }
 
-/// The edge between the faces beside a side at an inner vertex, along which a strip is straight; none where more faces meet there.
+/// The edge between the faces next to a side at an inner vertex, along which a strip is straight; none where more faces meet there.
 std::optional<Vec3> ruling_at(const LocalMesh& w, const SideDraft& side, int k) {
   const int v = side.vertex[k];
   if (w.part.faces_at(v).size() != 2) return {};

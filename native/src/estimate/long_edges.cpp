@@ -22,15 +22,15 @@ constexpr int most_on_edge = 8;
 /// The sine of the angle between two triangles of one flat face, at most: what single precision leaves of triangles 100 times as long as wide.
 constexpr double flat = 1e-4;
 /// Two such triangles come of a face that was cut where both are so many times as long as wide: the flat bottom of a scanned figure is cut at
-/// random, and with its edges a hole beside was 1.3 times farther off.
+/// random, and with its edges a hole next to was 1.3 times farther off.
 constexpr double needle = 3;
 
-/// Where edges that are half as long or longer go on from both ends of a long one, and turn there by so much (a sine: 3 degrees), whoever
-/// made the mesh makes such edges where the surface is round: a vase of few spokes and many rings. Edges that go on into short ones,
+/// Where edges that are half as long or longer continue from both ends of a long one, and turn there by so much (a sine: 3 degrees), whoever
+/// made the mesh makes such edges where the surface is round: a vase of few spokes and many rings. Edges that continue into short ones,
 /// as a wall's do into those of a bevel, may turn as they will.
 constexpr double turns = 0.05;
 constexpr double as_long = 0.5;
-/// Cosine: an edge at right angles, as at the corner of a box, goes on from none, whatever rounding makes of it.
+/// Cosine: an edge at right angles, as at the corner of a box, continues from none, whatever rounding makes of it.
 constexpr double goes_on = 1e-6;
 
 /// An edge of a face, or a line across a face from corner to corner.
@@ -130,7 +130,7 @@ public:
     std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
     each([&](Index v, Index other) { others_[next[v]++] = other; });
   }
-  /// Whether a line goes on beyond its second end into one that is about as long and turns.
+  /// Whether a line continues beyond its second end into one that is about as long and turns.
   bool turns_beyond(Index from, Index to) const {
     const Vec3 way = points_.row(to) - points_.row(from);
     Vec3 on = Vec3::Zero();

@@ -83,7 +83,7 @@ struct OnMeridian {
   Vec2 place;
 };
 
-/// Which way the faces beside the rim lead.
+/// Which way the faces next to the rim lead.
 Vec2 leads_away(const LocalMesh& w, const RimCircle& circle) {
   Vec2 sum = Vec2::Zero();
   for (int f : w.beside)
@@ -91,7 +91,7 @@ Vec2 leads_away(const LocalMesh& w, const RimCircle& circle) {
   return sum.normalized();
 }
 
-/// How far the farthest face beside the rim reaches with its nearest vertex: nearer ones need not lie all around, as on a bent tube, whose inner
+/// How far the farthest face next to the rim reaches with its nearest vertex: nearer ones need not lie all around, as on a bent tube, whose inner
 /// side is shorter.
 double reach_all_around(const LocalMesh& w, const RimCircle& circle) {
   double reach = 0;

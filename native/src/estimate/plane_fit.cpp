@@ -26,11 +26,11 @@ constexpr double nearly = 0.1;        ///< with half of the stencils, which only
 constexpr double least_noise = 1e-7;  ///< of the stencil radius, as a deviation: keeps the normal equations solvable
 /// Of the points or parameters: the least number that a component is an average over, for a number near 0 may come out below it. 1%, 0%.
 constexpr double least_count = 1e-3;
-/// Of the squared curvature that the faces beside the rim show: the least variance of second derivatives. 0%, -1%.
+/// Of the squared curvature that the faces next to the rim show: the least variance of second derivatives. 0%, -1%.
 constexpr double bends_at_least = 0.3;
 /// Of the variance that a term of one degree more would have at least: so little is left out of a plane.
 constexpr double least_truncation = 1e-6;
-/// Of the squared curvature that the faces show: the least variance of the slope across the rim against the faces beside it.
+/// Of the squared curvature that the faces show: the least variance of the slope across the rim against the faces next to it.
 constexpr double least_tilt = 1e-4;
 /// Of the squared curvature of a circle as large as the stencils: what the iteration starts from at least, for it cannot grow from nothing.
 constexpr double least_start = 0.01;
@@ -264,8 +264,8 @@ double predicted_density(const PlaneFit& fit, const FitRoom& room, const Varianc
 }
 
 /// MacKay 1992, eqs. 4.9 to 4.11: each component is the mean square of what it explains over the number of its well-determined
-/// parameters. The slopes across the rim are those of the faces beside it but for a tilt of a component of its own: where the next
-/// vertices are far, as beside a bevel of long strips, that is all there is to know them by, and its likeliest size is next to
+/// parameters. The slopes across the rim are those of the faces next to it but for a tilt of a component of its own: where the next
+/// vertices are far, as next to a bevel of long strips, that is all there is to know them by, and its likeliest size is next to
 /// nothing. Starts from no noise, so that coarse but clean meshes are not smoothed.
 VarianceComponents estimate_components(const std::array<std::vector<Stencil>, 3>& stencils, double radius, double bend) {
   const Floors floors = {radius, std::max(bend, least_start / (radius * radius)), bends_at_least * bend};

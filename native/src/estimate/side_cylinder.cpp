@@ -25,10 +25,10 @@ constexpr int most_cylinder_steps = 30;
 constexpr double last_cylinder_step = 1e-13;
 
 /// Edges that the faces are deep: vertices on two circles are on a cylinder and on any surface of revolution through these. Meshes follow their
-/// surfaces, so that long faces bend little along them; squares beside a torus, of 1.6, hide 3 degrees.
+/// surfaces, so that long faces bend little along them; squares next to a torus, of 1.6, hide 3 degrees.
 constexpr double deep_faces = 5;
 /// Where they are not so deep the cylinder has to end behind them. Sines and a cosine of angles to the way across: of an edge that is a ruling, and
-/// of those that go on from it.
+/// of those that continue from it.
 constexpr double off_ruling = 1e-3, off_way = 0.1, ahead = 0.7;
 /// Of what a strip would turn if it bent as what lies behind it: the turn there is within this of what ends a straight one. Circles of even
 /// edges are to rounding, and strips that bend are off by all of it.
@@ -47,7 +47,7 @@ struct Cylinder {
   }
 };
 
-/// The vertices of the faces at the inner vertices of a side: all of them are of the surface that goes on there.
+/// The vertices of the faces at the inner vertices of a side: all of them are of the surface that continues there.
 std::vector<Vec3> vertices_beside(const LocalMesh& w, const SideDraft& side, std::vector<Vec3>& normals) {
   std::set<int> faces, vertices;
   for (int k = 1; k < side.edges(); ++k)
@@ -61,7 +61,7 @@ std::vector<Vec3> vertices_beside(const LocalMesh& w, const SideDraft& side, std
   return points;
 }
 
-/// From a vertex to the one beside it that lies most nearly one way, and not aside (both unit).
+/// From a vertex to the one next to it that lies most nearly one way, and not aside (both unit).
 std::optional<int> vertex_ahead(const LocalMesh& w, int v, const Vec3& way, const Vec3& aside, double off) {
   std::optional<int> best;
   double most = ahead;
@@ -89,7 +89,7 @@ std::optional<std::array<Vec3, 3>> steps_across(const LocalMesh& w, int v, const
   return steps;
 }
 
-/// Whether the faces beside a side are straight across it, and what lies behind them bends: between the chord of a circle and a line that is
+/// Whether the faces next to a side are straight across it, and what lies behind them bends: between the chord of a circle and a line that is
 /// its tangent there is half of the turn that is between two chords.
 bool ends_behind(const LocalMesh& w, const SideDraft& side, const Cylinder& cylinder) {
   int asked = 0;
@@ -146,7 +146,7 @@ std::optional<Cylinder> cylinder_through(const std::vector<Vec3>& points, const 
   return c;
 }
 
-/// Whether the faces beside a side turn, and about one line, as those of a cylinder do: asked of three, before anything is fitted.
+/// Whether the faces next to a side turn, and about one line, as those of a cylinder do: asked of three, before anything is fitted.
 bool turns_about_line(const LocalMesh& w, const SideDraft& side) {
   const Vec3 first = w.area[side.face.front()].normalized(), last = w.area[side.face.back()].normalized(),
              middle = w.area[side.face[side.face.size() / 2]].normalized(), line = first.cross(last);

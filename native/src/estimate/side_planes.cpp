@@ -39,7 +39,7 @@ constexpr double off_by_turn = 7.5 * std::numbers::pi / 180;
 constexpr int few_edges = 4;  ///< of a side; of more, fits see the turn themselves: less by the square of their number
 constexpr double bent = 5;    ///< degrees that a side turns by at least, for its faces to tell their plane; 0%, 0%
 constexpr double always_plausible =
-    0.02;  ///< sine of the angle by which a plane may always lean against the faces beside it, 1 degree
+    0.02;  ///< sine of the angle by which a plane may always lean against the faces next to it, 1 degree
 
 /// The heights nearest to a rim vertex, which every neighborhood has to explain.
 std::vector<double> densities(const LocalMesh& w, const SideDraft& side, int k, const std::vector<Share>& nearest,
@@ -56,7 +56,7 @@ std::vector<double> densities(const LocalMesh& w, const SideDraft& side, int k, 
   return all;
 }
 
-/// Slope over the faces beside the rim, with `outward`, at which the surface that the last fit found goes on `step` further.
+/// Slope over the faces next to the rim, with `outward`, at which the surface that the last fit found continues `step` further.
 double slope_ahead(const VertexFit& last, const Vec3& step, const Vec3& faces, const Vec3& outward) {
   const Vec3 ahead = last.normal - last.second * step;
   const double up = ahead.dot(faces);
@@ -160,7 +160,7 @@ double lead_of(const std::vector<VertexFit>& fit, const std::vector<VertexFit>& 
   return count > 0 ? sum / count : 0;
 }
 
-/// Whether the faces beside a side lie in one plane, in which the side bends: then they are that plane, whatever lies behind them. Beside
+/// Whether the faces next to a side lie in one plane, in which the side bends: then they are that plane, whatever lies behind them. Next to
 /// a straight side they may be a strip of any surface.
 bool lies_in_plane(const LocalMesh& w, const SideDraft& side) {
   const Vec3 n = w.area[side.face[0]];
@@ -184,12 +184,12 @@ VertexFit plane_of(const LocalMesh& w, const SideDraft& side) {
   return fit;
 }
 
-/// Sine of the angle by which a normal leans over a side's vertex, outwards or inwards, against the faces beside it.
+/// Sine of the angle by which a normal leans over a side's vertex, outwards or inwards, against the faces next to it.
 double lean(const SideDraft& side, int k, const Vec3& normal) {
   return std::abs(normal.dot(side.tangent[k].cross(side.faces[k]))) / normal.norm();
 }
 
-/// By how much a plane at vertex k of a side may lean: twice as much as the faces beside the rim there and those within two steps from
+/// By how much a plane at vertex k of a side may lean: twice as much as the faces next to the rim there and those within two steps from
 /// them do. Where rings of faces see nothing but what lies far off, as in a plane that is meshed with long triangles, fits may lean
 /// by anything.
 double most_lean(const LocalMesh& w, const SideDraft& side, int k) {
@@ -283,7 +283,7 @@ double turn_variance(const LocalMesh& w, const SideDraft& side) {
 }
 
 /// The facets' means at the inner vertices of a side, if each is as near to the plane taken there as that is known: then there is
-/// nothing against them, and beside strips of equal facets, as of cylinders and fillets, they are exact.
+/// nothing against them, and next to strips of equal facets, as of cylinders and fillets, they are exact.
 std::vector<Vec3> facets_that_agree(const LocalMesh& w, const SideDraft& side, const std::vector<double>& variance) {
   std::vector<Vec3> means;
   for (int k = 1; k < side.edges(); ++k) {

@@ -253,11 +253,11 @@ void set_heights(const LocalMesh& w, const std::vector<Share>& used, const Vec3&
   lay_over(s.e1, s.e2 / s.depth, s.e3, s.heights);
 }
 
-/// What is known of the slopes at vertex k beside the heights: from the faces beside the rim, and from the curve through it.
+/// What is known of the slopes at vertex k next to the heights: from the faces next to the rim, and from the curve through it.
 void set_slopes(const LocalMesh& w, const SideDraft& side, int k, Stencil& s) {
   const int edges = side.edges();
   const auto chord = [&](int e) { return (side.position[e + 1] - side.position[e]).norm(); };
-  double depth = 0;  // of the faces beside the rim
+  double depth = 0;  // of the faces next to the rim
   for (int e : {std::max(k - 1, 0), std::min(k, edges - 1)}) depth += 0.5 * w.area[side.face[e]].norm() / chord(e);
   depth /= s.depth;
   s.faces = -side.faces[k].dot(s.e2) / side.faces[k].dot(s.e3) * s.depth;

@@ -16,7 +16,7 @@ namespace tripatch {
 namespace {
 
 // Half and twice of these numbers were tried on seven three-sided holes of 8 edges a side: in a sphere, a torus, a saddle, Franke's function
-// and a helicoid, and at two corners of fillets. What is told is by how much of the diameter a vertex of one of them moves at most.
+// and a helicoid, and at two corners of fillets. Reported is by how much of the diameter a vertex of one of them moves at most.
 constexpr double weight_of_jumps = 0.1;  // of the energy at the start, for each jump of curvature that is tolerated: 1e-3
 constexpr double share_of_reach = 0.9;   // of the way to alpha's bound, so that the steps that follow have room: 0 with 0.54
 /// Of the mean diagonal element: unknowns without rows stay put, others change by rounding; 0 with 1e-10 too.

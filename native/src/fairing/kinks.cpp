@@ -36,7 +36,7 @@ PiecewisePolynomial bridge(const PiecewisePolynomial& field, double from, double
   return PiecewisePolynomial::bezier({net[0].data(), 18}, 3);
 }
 
-/// What a patch of rounded sides lacks beside one kink.
+/// What a patch of rounded sides lacks next to one kink.
 struct Strip {
   int side;
   double from, to;        ///< parameters on the side

@@ -25,7 +25,7 @@ namespace tripatch {
 
 namespace {
 
-/// How much larger a fill that goes on from its surroundings is at least than one that meets all of them at an angle: as a cap of a sphere
+/// How much larger a fill that continues from its surroundings is at least than one that meets all of them at an angle: as a cap of a sphere
 /// than its disc where they meet at 25 degrees, from which on an edge tells faces apart. Of balls and cylinders cut through bevels it was
 /// 0.8 to 1.04 times as large, and 3 to 9 times nearer.
 constexpr double larger_at_angle = 1.05;
@@ -65,7 +65,7 @@ Fill fill_beside_sharp_sides(const Ground& ground, const Connectivity& around, c
   const Connectivity continued(ground.mesh, beyond);
   options.continued = &continued;
   Fill fill = fill_with_spline(ground.mesh, around, rim, {}, options);
-  if (!fill.feature_edges.empty()) return fill;  // each part goes on from what is beside it
+  if (!fill.feature_edges.empty()) return fill;  // each part continues from what is next to it
   const auto sharp = std::count_if(angles.begin(), angles.end(), [](double angle) { return angle > 0; });
   options.continued = nullptr;
   Fill smooth = fill_with_spline(ground.mesh, around, rim, {}, options);

@@ -118,7 +118,7 @@ private:
     return sided ? polygon(sharp) : none(otherwise);
   }
 
-  /// Which crease of the surroundings goes on across the hole; empty: none.
+  /// Which crease of the surroundings continues across the hole; empty: none.
   std::string crease_across() {
     if (!out_.options.features) return {};
     const Features near = find_features(ground_.mesh, ground_.left, loop_);
@@ -318,7 +318,7 @@ Fill make_patch(FillProblem& problem, const TriedFills&) {
   return fill;
 }
 
-/// A cap of revolution that goes on as its surroundings bend, and leaves the hole: one that is tangent to them only or, if that one does
+/// A cap of revolution that continues as its surroundings bend, and leaves the hole: one that is tangent to them only or, if that one does
 /// too, a flat one.
 std::string skip_lower_cap(FillProblem& problem, const TriedFills& tried) {
   if (!problem.is_of_revolution) return "the surroundings are not of revolution";
@@ -349,7 +349,7 @@ Fill make_lid(FillProblem& problem, const TriedFills&) {
   return fill;
 }
 
-/// Why the surroundings as a whole are continued.
+/// Why the whole surrounding surface is continued.
 std::string why_spline(FillProblem& problem, const TriedFills& tried) {
   const SidesFound& sides = problem.sides();
   if (sides.domain == Domain::none || problem.options.cap != Cap::automatic) return sides.reason;

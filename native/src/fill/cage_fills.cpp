@@ -34,7 +34,7 @@ namespace {
 /// Edges of a rim at a vertex, the shorter of both, that a face there is as long as, from which on it is a strip: twice the diagonal of two squares.
 constexpr double strip = 4;
 
-/// Of the hole's diameter: a fair cage that is farther off from where the mesh around would go on has run off, as between strips of bevels
+/// Of the hole's diameter: a fair cage that is farther off from where the mesh around would continue has run off, as between strips of bevels
 /// or on a wave, and so much farther wherever it is. Of 566 holes in Blender's primitives, remeshes and bevels 28 are placed for it that are not
 /// at 0.13, and 21 of their limit surfaces are nearer to the one that was there, by a factor of three in the mean; of coarse balls, eggs
 /// and tori six of 116, all nearer. Of 639 cages in boxes, prisms and cylinders bevelled by Blender it was 68 at 0.13.
@@ -43,11 +43,11 @@ constexpr double run_off = 0.04;
 /// its limit farther inside. A ball of eight edges around is flattened at 0.04.
 constexpr double run_off_of_guess = 0.13;
 constexpr double far_off = 0.25;
-/// Of the hole's diameter, of where the mesh would go on: what is known better is met by the fairest cage, whose limit is fitted, two to five
-/// times as nearly on balls. Else the limit is 0.53 times as far from the one that was there where the mesh goes on, in the geometric mean of 23
-/// holes in Blender's heads, skins, remeshes and subdivided boxes whose quads go on, at most 2.3 times.
+/// Of the hole's diameter, of where the mesh would continue: what is known better is met by the fairest cage, whose limit is fitted, two to five
+/// times as nearly on balls. Else the limit is 0.53 times as far from the one that was there where the mesh continues, in the geometric mean of 23
+/// holes in Blender's heads, skins, remeshes and subdivided boxes whose quads continue, at most 2.3 times.
 constexpr double well_known = 3e-4;
-/// Standard deviations of where the mesh would go on: a fair cage within as many is as likely. Suzanne's jaw is at 2.9, its fair cage four
+/// Standard deviations of where the mesh would continue: a fair cage within as many is as likely. Suzanne's jaw is at 2.9, its fair cage four
 /// times nearer to the surface that was there than the other; 27 of the bevels' cages stay as they were, an eighth of the gain.
 constexpr double likely = 3.5;
 /// Vertices of a cage from which on it is not made fair first, which takes a second of 600 and a minute and a half of 4,400. Of 340 holes
@@ -71,10 +71,10 @@ bool has_own_shape(const FillOptions& options) {
 /// Whether a method between three sides is asked for by its name: then the cage is that one's or none.
 bool is_named(const FillOptions& options) { return options.method != automatic_method && options.method != polygon_method; }
 
-/// Which cages have their vertices where the mesh around would go on.
+/// Which cages have their vertices where the mesh around would continue.
 enum class OnMeshWhere { nowhere, likelier, run_off, everywhere, untangled };
 
-/// Puts the vertices of a cage where rows of quads go on, if they do; whether they do.
+/// Puts the vertices of a cage where rows of quads continue, if they do; whether they do.
 bool place_in_rows(const Ground& ground, const SidedRim& hole, const FillOptions& options, CageFill& cage) {
   if (hole.given || options.cage_rim != CageRim::smooth || options.subdivision.loop || options.resolution.value_or(0) > 0)
     return false;
@@ -91,7 +91,7 @@ void tell_distance(double tolerance, Report& report) {
       {Code::cage_off_patch, {{"distance", report.cage_deviation_rms}, {"method", report.method}, {"tolerance", tolerance}}});
 }
 
-/// How far the vertices inside a cage are from where the mesh around would go on, if they have run off: by a share of the hole's
+/// How far the vertices inside a cage are from where the mesh around would continue, if they have run off: by a share of the hole's
 /// diameter, and farther than is likely.
 std::optional<double> runs_off(const Points& inside, const OnMesh& on_mesh, double size, double share) {
   const double off = (inside - on_mesh.points).cwiseProduct(on_mesh.normals).rowwise().sum().cwiseAbs().maxCoeff();
@@ -99,7 +99,7 @@ std::optional<double> runs_off(const Points& inside, const OnMesh& on_mesh, doub
   return off > least ? std::optional(off) : std::nullopt;
 }
 
-/// Tells of a cage by a method that was asked for, which nothing keeps near to where the mesh around would go on.
+/// Tells of a cage by a method that was asked for, which nothing keeps near to where the mesh around would continue.
 void tell_run_off(const Ground& ground, const SidedRim& hole, const CageHole& laid_out, const Points& inside,
                   const FillOptions& options, Report& report) {
   if (inside.rows() == 0 || options.subdivision.loop) return;
@@ -113,7 +113,7 @@ void tell_run_off(const Ground& ground, const SidedRim& hole, const CageHole& la
 /// Whether a cage was put there, stays where it is, or there is nowhere to put it.
 enum class Placing { placed, stays, nowhere };
 
-/// Puts the vertices of a cage, if it is one of those, where the mesh around would go on.
+/// Puts the vertices of a cage, if it is one of those, where the mesh around would continue.
 Placing place_on_mesh(const Ground& ground, const SidedRim& hole, const FillOptions& options, OnMeshWhere where, CageFill& cage) {
   if (where == OnMeshWhere::nowhere) return Placing::stays;
   if (options.cage_rim != CageRim::smooth || options.subdivision.loop || options.resolution.value_or(0) > 0)
@@ -249,7 +249,7 @@ private:
     return own;
   }
 
-  /// Where the mesh around would go on, if they are to be there, else as the fairest ones.
+  /// Where the mesh around would continue, if they are to be there, else as the fairest ones.
   void put(OnMeshWhere on_mesh) {
     const bool alone = follows_ && holes_.size() == 1 && !named_, by_itself = alone && on_mesh == OnMeshWhere::run_off;
     const auto place = [&](OnMeshWhere where) {
@@ -291,7 +291,7 @@ private:
 
   void complete() {
     make_patches();
-    // The rim's limit may run along its edges at very different rates, beside strips that are long beside them: a patch that folds in
+    // The rim's limit may run along its edges at very different rates, next to strips that are long next to them: a patch that folds in
     // following the fairest cage there is worth nothing, and the cage is kept.
     std::vector<bool> kept;
     std::vector<SurfacePtr> patches;
@@ -342,8 +342,8 @@ using TriedOnes = std::unique_ptr<TriedCages>;
 TriedOnes try_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options, SeenWays* seen,
                     OnMeshWhere on_mesh = OnMeshWhere::run_off);
 
-/// A vertex on an edge of an odd rim leaves the face beside it an n-gon, whose limit goes no way along a strip as that of its neighbors
-/// does: beside long strips the rim's limit is a zigzag there. A triangle in the middle leaves the rim as it is.
+/// A vertex on an edge of an odd rim leaves the face next to it an n-gon, whose limit goes no way along a strip as that of its neighbors
+/// does: next to long strips the rim's limit is a zigzag there. A triangle in the middle leaves the rim as it is.
 TriedOnes with_triangle_if_that_folds_less(const Ground& ground, TriedOnes tried, SeenWays* seen) {
   const std::vector<SidedRim>& holes = tried->holes();
   if (tried->options().odd != Odd::split || holes[0].rim.size() % 2 == 0) return tried;
@@ -376,7 +376,7 @@ TriedOnes try_cages(const Ground& ground, const std::vector<SidedRim>& holes, co
   if (on_mesh != OnMeshWhere::nowhere) tried = with_triangle_if_that_folds_less(ground, std::move(tried), seen);
   tried = without_rows_if_that_folds_less(ground, std::move(tried), options, seen);
   if (on_mesh == OnMeshWhere::nowhere || (!placed && !has_other_place) || tried->is_harmless()) return tried;
-  // its vertices elsewhere, where the mesh around would go on or as the fairest one's
+  // its vertices elsewhere, where the mesh around would continue or as the fairest one's
   const bool too_many = of_many && tried->faces().vertices.rows() > most_fair;
   const OnMeshWhere elsewhere = too_many ? OnMeshWhere::untangled : placed ? OnMeshWhere::nowhere : OnMeshWhere::everywhere;
   TriedOnes other = try_cages(ground, holes, options, seen, elsewhere);

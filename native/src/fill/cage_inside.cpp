@@ -130,7 +130,7 @@ std::optional<OnMesh> cage_on_mesh(const Ground& ground, const SidedRim& hole, c
 std::optional<Points> cage_in_rows(const Ground& ground, const CageHole& laid_out, const std::vector<Index>& replaced) {
   const std::vector<Index>& rim = laid_out.hole.rim;
   const Index known = ground.mesh.vertices.rows();
-  // no row goes on at the middle of an edge that the cage splits, and the mesh has no such vertex
+  // no row continues at the middle of an edge that the cage splits, and the mesh has no such vertex
   if (std::ranges::any_of(rim, [&](Index v) { return v >= known; })) return {};
   try {
     const bool is_block = quad_rows(ground.left, rim).has_value();

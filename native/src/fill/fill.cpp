@@ -107,7 +107,7 @@ void check_options(const FillOptions& options) {
     throw InvalidArgument("resolution must be from 0 to " + std::to_string(most_rows));
 }
 
-/// The patch over a polygon or a disc, insisted on, or that of three sides which meets points inside; nothing where the rim has three sides
+/// The patch over a polygon or a disc, requested, or that of three sides which meets points inside; nothing where the rim has three sides
 /// and no such points. Corners that are not given are detected.
 std::optional<Fill> fill_with_many_sides(const Ground& ground, const std::optional<std::vector<Index>>& rim,
                                          const Corners& corners, const FillOptions& options) {
@@ -136,7 +136,7 @@ std::optional<Fill> fill_with_many_sides(const Ground& ground, const std::option
   return fill;
 }
 
-/// Whether a method is insisted on that fills between three sides and nothing else.
+/// Whether a method is requested that fills between three sides and nothing else.
 bool wants_three(const FillOptions& options) {
   return options.method != automatic_method && find_method(options.method).sides == std::array{3, 3};
 }
@@ -279,7 +279,7 @@ void measure_gap(const Mesh& mesh, Fill& fill) {
                               : fill.rim_barycentric;
   fill.report.boundary_gap = (fill.patch->positions(places) - met).rowwise().norm().maxCoeff();
   if (!fill.sides.empty())
-    tell_gap(diameter(mesh, fill.rim), fill.report);  // a surface of the surroundings as a whole is told by its error
+    tell_gap(diameter(mesh, fill.rim), fill.report);  // a surface that continues all surroundings has its error instead
 }
 
 Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
@@ -351,7 +351,7 @@ void check_creases(const Mesh& mesh, const std::vector<std::array<Index, 2>>& cr
                         ", between which the mesh has no edge");
 }
 
-/// Whether a rim is taken as it comes, its edges of no length too: cages, and single methods that are insisted on, ask for a clean one.
+/// Whether a rim is taken as it comes, its edges of no length too: cages, and single methods that are requested, ask for a clean one.
 bool takes_any_rim(const FillOptions& options) {
   const bool any_rim = options.method == automatic_method || options.method == spline_method || options.method == rows_method ||
                        options.method == annulus_method;

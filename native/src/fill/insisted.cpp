@@ -12,7 +12,7 @@
 namespace tripatch {
 namespace {
 
-/// Edges that are folded in vain: where sides are met in position only, what is beyond meets them at whatever angle it has.
+/// Edges that are folded avoidably: where sides are met in position only, what is beyond meets them at whatever angle it has.
 std::vector<std::array<Index, 2>> folds_of(const Ground& ground, const Fill& fill) {
   const bool at_angles = std::ranges::any_of(fill.report.continuity, in_position);
   const std::vector<FaceBeyond> beyond =

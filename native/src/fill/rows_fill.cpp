@@ -171,7 +171,7 @@ std::optional<Fill> fill_block(const Ground& ground, const std::vector<Index>& r
   // only single rows have edges between vertices of the rim, and no others
   if (is_strip && doubles_edges_of_mesh(ground.left, fill.rim, fill.faces)) return {};
   put_on_surface(rows, block, fill);
-  if (!fill.normals.allFinite() || !fill.rim_normals.allFinite()) return {};  // beside coordinates beyond all measure
+  if (!fill.normals.allFinite() || !fill.rim_normals.allFinite()) return {};  // next to coordinates beyond all measure
   for (Index place : corners) fill.report.corners.push_back(fill.rim[static_cast<std::size_t>(place)]);
   complete(ground, made.missed, output, features, fill);
   return fill;

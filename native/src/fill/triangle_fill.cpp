@@ -41,7 +41,7 @@ namespace {
 /// Edges of a rim from which on to cover the patch takes as long as to look at its rim, some 50 us, and a thread is worth what it costs.
 constexpr std::size_t long_enough = 60;
 
-/// The patch; beside a limit surface, whose slopes ripple from vertex to vertex of a cage of triangles, that which bends least where the
+/// The patch; next to a limit surface, whose slopes ripple from vertex to vertex of a cage of triangles, that which bends least where the
 /// fairest one folds: no surface of another kind can take its place there.
 MadePatch patch_without_folds(const Sides& sides, const FillOptions& options) {
   MadePatch made = patch_from_sides(sides, options);
@@ -68,7 +68,7 @@ FineCage fine_cage(const Ground& ground, const Hole& hole, const Subdivision& se
   return out;
 }
 
-/// The surface of those points over a plane, as a mesh of its own as beside any limit surface; nothing where it folds too.
+/// The surface of those points over a plane, as a mesh of its own as next to any limit surface; nothing where it folds too.
 std::optional<Fill> fill_over_points(const Ground& ground, const Hole& hole, const FillOptions& options,
                                      const Surroundings& surroundings) {
   const FineCage fine = fine_cage(ground, hole, options.subdivision, surroundings.border);
@@ -104,7 +104,7 @@ std::optional<Fill> fill_over_points(const Ground& ground, const Hole& hole, con
   return fill;
 }
 
-/// Beside a limit surface, where nothing was asked for that only a patch has.
+/// Next to a limit surface, where nothing was asked for that only a patch has.
 bool may_follow_points(const FillOptions& options) {
   return options.surroundings == SurroundingsFrom::limit && options.method == automatic_method && options.replaced.empty() &&
          options.subdivision.use_limit_surface && !is_shaped_by_hand(options);

@@ -58,7 +58,7 @@ struct Neighborhood {
   }
 };
 
-/// Runs of the rim's vertices at which it runs on, and how many quads lie across from there to where the rows end.
+/// Runs of the rim's vertices at which it continues, and how many quads lie across from there to where the rows end.
 struct RimSide {
   std::vector<Index> places;
   double across = 0;
@@ -192,7 +192,7 @@ public:
   }
 
 private:
-  /// Those that concern the rim or the inside, by the first of their columns: between bands that run on nothing else fills the factors,
+  /// Those that concern the rim or the inside, by the first of their columns: between bands that continue, nothing else fills the factors,
   /// which takes a tenth of the time.
   static std::vector<Difference> in_bands(const std::vector<Difference>& all, Index r, const std::vector<Index>& column) {
     const Index inside = static_cast<Index>(column.size());

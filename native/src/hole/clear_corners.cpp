@@ -16,12 +16,12 @@ namespace {
 
 /// A corner turns by at least this (radians, 12 degrees): as much as the domain of a patch of n sides does at each of its corners.
 constexpr double least_turn = 12 * std::numbers::pi / 180;
-/// And by this many times what the vertices beside it turn, two to either side. Smooth sides bend alike from vertex to vertex; where an
+/// And by this many times what the vertices next to it turn, two to either side. Smooth sides bend alike from vertex to vertex; where an
 /// arc begins at a straight line it is twice as much.
 constexpr double over_beside = 2.5;
 constexpr Index beside = 2;
 /// But a bend within an edge of a corner that turns this many times as much is none: where fillets of three radii meet, curves of CAD
-/// programs bend by 16 to 17 degrees beside corners of 100.
+/// programs bend by 16 to 17 degrees next to corners of 100.
 constexpr double over_bend = 4;
 /// Corners are edges apart, three in the mean: of shorter sides nobody knows which way they run.
 constexpr Index least_edges = 2, mean_edges = 3;

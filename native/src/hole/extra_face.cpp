@@ -20,7 +20,7 @@ Vec3 middle_of_corners(const Mesh& mesh, std::span<const Index> face) {
   return sum / static_cast<double>(face.size());
 }
 
-/// Whether a face goes on from one edge as another, on its other side, comes to it.
+/// Whether a face continues from one edge as another, on its other side, comes to it.
 bool goes_straight_on(const Mesh& mesh, std::span<const Index> face, std::span<const Index> other, Index a, Index b) {
   const Vec3 from = mesh.vertices.row(a), along = (Vec3(mesh.vertices.row(b)) - from).stableNormalized();
   const auto across = [&](const Vec3& way) -> Vec3 { return (way - way.dot(along) * along).stableNormalized(); };

@@ -21,7 +21,7 @@ constexpr double ahead = 0.34;
 
 struct HoleBorder {
   std::vector<Vec3> points;
-  std::vector<Vec3> onward, normal;  // of each edge, unit: away from the face beside it; of that face
+  std::vector<Vec3> onward, normal;  // of each edge, unit: away from the face next to it; of that face
   Vec3 middle = Vec3::Zero(), area = Vec3::Zero();
   double reach = 0;          // from the middle
   std::vector<Index> parts;  // of the mesh, by rising number

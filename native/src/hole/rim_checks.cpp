@@ -18,7 +18,7 @@ using Corner = Connectivity::Corner;
 /// Of the rim's length: shorter edges have none. Some hundred times the rounding of coordinates as large as the rim is long.
 constexpr double shortest_edge = 1e-14;
 
-/// The edges of a rim by how the faces beside them hold them: as given, or reversed.
+/// The edges of a rim by how the faces next to them hold them: as given, or reversed.
 struct RimEdges {
   std::vector<std::array<Index, 2>> along, against;
 };
@@ -27,7 +27,7 @@ struct RimEdges {
 RimEdges check_edges(const Connectivity& around, const Loop& rim) {
   const std::size_t n = rim.size();
   RimEdges edges;
-  std::optional<Index> first;  // face beside the rim
+  std::optional<Index> first;  // face next to the rim
   bool one_face = true;
   for (std::size_t k = 0; k < n; ++k) {
     const Index a = rim[k], b = rim[(k + 1) % n];

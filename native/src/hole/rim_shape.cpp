@@ -17,7 +17,7 @@ using Loop = std::vector<Index>;
 
 constexpr double normal_share = 1.0 / 3;  ///< of the window: where the tangent plane is read
 
-/// Twice the vector area of the triangle at a corner of a face, to the side of the whole face's: where a face is not convex, as beside a
+/// Twice the vector area of the triangle at a corner of a face, to the side of the whole face's: where a face is not convex, as next to a
 /// hole that was cut into it, corners turn the other way.
 Vec3 area_at_corner(const Mesh& mesh, const Connectivity& around, Connectivity::Corner c, Index v, double scale) {
   const auto p = mesh.vertices.row(v);

@@ -18,7 +18,7 @@
 namespace tripatch {
 namespace {
 
-/// Degrees between the plane beside a side and that of the rim at its corner up to which coarse and noisy meshes of smooth surfaces
+/// Degrees between the plane next to a side and that of the rim at its corner up to which coarse and noisy meshes of smooth surfaces
 /// come; the least angle of the real CAD faces with sharp neighbors is 30.
 constexpr double surely_smooth = 20;
 /// Of what direction and plane change from one edge to the next: carried on to the corner they are off by a quarter of that on circles.
@@ -28,11 +28,11 @@ constexpr double least_share = 0.25;
 /// Degrees that direction and plane may change along a side of a single edge, at its half: a rounded corner of a box in one segment lies
 /// 35 off.
 constexpr double turn_of_one_edge = 70;
-/// Degrees between the planes beside two sides of an edge each and that of the rim at their corner, and between those two planes, from
+/// Degrees between the planes next to two sides of an edge each and that of the rim at their corner, and between those two planes, from
 /// which on they are walls: those of prisms of four to six sides. Of balls as coarse as an octahedron they are 55 and 71; between three
 /// sides of one edge there is a triangle and nothing to choose.
 constexpr double least_upright = 70, least_apart = 55;
-/// Sine of the angle between two sides from which on their tangents tell a plane: below 12 degrees only the faces beside them do.
+/// Sine of the angle between two sides from which on their tangents tell a plane: below 12 degrees only the faces next to them do.
 constexpr double tells_plane = 0.2;
 /// Degrees between two faces from which on the surface is not the same one, as for features across holes.
 constexpr double crease = 25;
@@ -40,7 +40,7 @@ constexpr double crease = 25;
 /// Radians by which the sides of a hole together turn in the surroundings from which on these reach around it: a half turn.
 constexpr double turns_around = std::numbers::pi;
 
-/// Whether the sides between the corners turn to the hole in the planes beside them, as the rim of a hole in one surface does. Walls meet
+/// Whether the sides between the corners turn to the hole in the planes next to them, as the rim of a hole in one surface does. Walls meet
 /// it at straight sides, or at the ends of tongues.
 bool reach_around(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, std::span<const Index> places) {
   std::vector<double> turn = measure(mesh, around, rim).turn;
@@ -50,14 +50,14 @@ bool reach_around(const Mesh& mesh, const Connectivity& around, const std::vecto
 
 /// A side as its ends show it.
 struct SideEnd {
-  Vec3 tangent, normal;  ///< unit; along the rim, of the faces beside it, on the mesh's outer side
+  Vec3 tangent, normal;  ///< unit; along the rim, of the faces next to it, on the mesh's outer side
   double bend = 0;       ///< degrees: by how much direction and plane may change from there to the next edge
   bool single = false;   ///< one edge is all there is
 };
 
 Vec3 face_normal(const Mesh& mesh, Index f) { return area_vector(mesh, f).stableNormalized(); }
 
-/// The face beside rim edge k.
+/// The face next to rim edge k.
 std::optional<Index> face_beside(const Connectivity& around, const std::vector<Index>& rim, Index k) {
   const Index n = static_cast<Index>(rim.size());
   const auto corner = around.edge(rim[(k + 1) % n], rim[k]);
@@ -86,7 +86,7 @@ SideEnd end_of_side(const Mesh& mesh, const Connectivity& around, const std::vec
   return end;
 }
 
-/// Degrees by which the planes beside the sides that end and begin at a corner are off, and how much of that may be the mesh's
+/// Degrees by which the planes next to the sides that end and begin at a corner are off, and how much of that may be the mesh's
 /// coarseness.
 struct CornerAngles {
   std::array<double, 2> off;

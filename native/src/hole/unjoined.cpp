@@ -35,7 +35,7 @@ std::vector<Index> rim_vertices_at(const Mesh& mesh, std::span<const std::vector
   std::unordered_map<Place, Index, PlaceHash> first;
   std::size_t count = 0;
   for (const std::vector<Index>& rim : rims) count += rim.size();
-  first.reserve(4 * count);  // so that most other places are told from them by an empty bucket
+  first.reserve(4 * count);  // so that most other places are distinguished from them by an empty bucket
   Place low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
   for (const std::vector<Index>& rim : rims)
     for (Index v : rim) {

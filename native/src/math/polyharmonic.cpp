@@ -171,7 +171,7 @@ void PolyharmonicSum::derivatives_at(const PlanePoints& at, Index first, double*
       add_all(sum[1], slope * dx);
       add_all(sum[2], slope * dy);
       if constexpr (Order == 2) {
-        // beside a center as a ten-millionth from it along u
+        // next to a center as a ten-millionth from it along u
         const auto beside = square < beside_center * beside_center;
         const Values a = beside.select(beside_center, dx), b = beside.select(0, dy), bent = bend(), bent_a = bent * a;
         add_all(sum[3], 0.5 * (slope + bent_a * a));

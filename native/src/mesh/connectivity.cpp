@@ -43,7 +43,7 @@ std::vector<char> marked_faces(const FacesRef& faces, std::span<const Index> rep
   return gone;
 }
 
-/// Of the box around a rim: what is looked at beside it at least, so that a surface that bends away is still seen. Nothing but time
+/// Of the box around a rim: what is looked at next to it at least, so that a surface that bends away is still seen. Nothing but time
 /// depends on it, as long as the rings lie inside.
 constexpr double least_margin = 0.3;
 

@@ -50,7 +50,7 @@ std::size_t DomainMesh::alive_triangles() const {
 
 void DomainMesh::bound_triangles(double count, double edges, std::optional<int> resolution) {
   constexpr double per_squared_resolution = 2;  // a flat round hole with that many edges to a third of its rim: 9 / (4 pi 0.43)
-  constexpr double far_too_many = 20;           // times what is asked for: a surface that needs them is crumpled
+  constexpr double far_too_many = 20;           // times what is asked for: a surface that needs them is distorted
   double most = 0, bound = 0;
   if (resolution) {
     const double asked = per_squared_resolution * *resolution * *resolution + edges;

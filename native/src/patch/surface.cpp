@@ -129,7 +129,7 @@ void VertexSafeSurface::evaluate(const double* b, Index n, int order, double* ou
             [&](Index first, Index count) { evaluate_some(b + 3 * first, count, order, out + 3 * jet_size(order) * first); });
 }
 
-/// First derivatives at a vertex go on along the ray from four distances, each twice the one before, to none: what is left out is of the
+/// First derivatives at a vertex continue along the ray from four distances, each twice the one before, to none: what is left out is of the
 /// fourth order, and rounding of the nearest adds 1e-11. All lie before the first of 10,000 edges of a side ends.
 constexpr double cone_distance = 2e-5;
 constexpr std::array<double, 4> to_the_cone = {64.0 / 21, -56.0 / 21, 14.0 / 21, -1.0 / 21};

@@ -28,7 +28,7 @@ public:
     with_order<0, max_order>(order, [&](auto constant) {
       constexpr int N = constant.value;
       for (Index k = 0; k < n; ++k) {
-        // beside corners the bubble is flat: a point there has no weights of its own
+        // next to corners the bubble is flat: a point there has no weights of its own
         Vec2 p(b[3 * k], b[3 * k + 1]);
         const int corner = domain().corner_at(p, 1e-9);
         if (corner >= 0) p = domain().moved_off(corner, p, 1e-9);

@@ -119,7 +119,7 @@ private:
     for (int k = 0; k < halvings; ++k) (upto(0.5 * (low + high)) < share * length_ ? low : high) = 0.5 * (low + high);
     return 0.5 * (low + high);
   }
-  /// t, or beside it where the curve stands still at an end.
+  /// t, or next to it where the curve stands still at an end.
   double moving(double t) const {
     if (side_.c.derivative_at(t).norm() > beside_still * length_) return t;
     const double beside = beside_still * (to_ - from_);

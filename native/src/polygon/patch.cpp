@@ -156,7 +156,7 @@ Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3
   return place;
 }
 
-/// Of corners at which two sides go on as pieces of one side do. Sixteen patches of 8 to 11 sides had one that turned by 0.3 to 3 degrees; with
+/// Of corners at which two sides continue as pieces of one side do. Sixteen patches of 8 to 11 sides had one that turned by 0.3 to 3 degrees; with
 /// the two sides as one they came 1.7 to 130 times nearer.
 void tell_straight_corners(const std::vector<double>& turn_deg, Messages& warnings) {
   if (turn_deg.size() < 4) return;

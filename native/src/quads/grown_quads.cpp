@@ -281,7 +281,7 @@ private:
 constexpr Index most_work = 1'000'000;
 /// Of a rim. The work for each quad grows with the edges of its front, and there are as many as the square of these: a fifth of a second.
 constexpr Index most_edges = 1000;
-// What is told of 400 outlines is of ellipses and lobes of 6 to 29 edges that want corners at random: how many of them get a layout whose
+// Reported of 400 outlines is of ellipses and lobes of 6 to 29 edges that want corners at random: how many of them get a layout whose
 // least scaled Jacobian is 0.05 lower, and how many one that is 0.05 higher, or none and one.
 /// Quads in a rim of n edges, at most: n^2 over this, and four. Between four corners n^2 / 16 grow, between two n^2 / 8, on a ring of quads
 /// n^2 / 16 + n, which is as many at 8 edges; a front that turns by less never closes. Of 2,000 ellipses and lobes of 6 to 29 edges 220 change

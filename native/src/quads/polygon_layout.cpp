@@ -25,7 +25,7 @@ constexpr Index edges_a_ring = 20;  ///< of a round rim: rings that are as wide 
 /// Cuts are sought at about so many places of a side, then moved edge by edge.
 constexpr Index places_on_side = 8;
 constexpr double flat_angle_cost = 20;  ///< of a coarse corner that is straight or turned over: 1 / sin of 3 degrees
-/// What a quad too many or too few at a corner costs, beside the angles' 1 / sin - 1: as much as an angle of 56 degrees. And what each
+/// What a quad too many or too few at a corner costs, next to the angles' 1 / sin - 1: as much as an angle of 56 degrees. And what each
 /// corner costs that makes more or less than four.
 constexpr double wrong_valence = 0.2, pole_expected = 0.1;
 

@@ -16,11 +16,11 @@
 namespace tripatch {
 namespace {
 
-// Other numbers were tried on quads between four, five and six sides of a wavy saddle. What is told is by how much of the diameter a vertex of
+// Other numbers were tried on quads between four, five and six sides of a wavy saddle. Reported is by how much of the diameter a vertex of
 // one of them moves at most; "0" says that no vertex does.
 /// Distortions count with this power: high enough for the worst corner to lead, low enough for Newton's steps to converge (5e-4 with 2).
 constexpr int distortion_power = 3;
-/// In the end the least angle leads: (1 / sin)^2 counts with this power (of two), and beside it how even the spacing is.
+/// In the end the least angle leads: (1 / sin)^2 counts with this power (of two), and next to it how even the spacing is.
 constexpr int sharp_power = 8;
 constexpr double spacing = 0.25;  ///< weight of the evenness, a choice
 /// Of the shortest edge at a vertex: no step is longer, beyond it the surface's second order says little (0 with half).

@@ -18,7 +18,7 @@
 namespace tripatch {
 namespace {
 
-/// Degrees from the faces around it at which a face is turned over: a fill that goes on as those do stands at another angle to it than they,
+/// Degrees from the faces around it at which a face is turned over: a fill that continues as those do stands at another angle to it than they,
 /// so that folds of 120 degrees begin here. Clear of a right angle, as of boxes. Of 318 holes of known surfaces and in scanned meshes
 /// whose vertices are off by .1, .2 and .3 of an edge 24 are closed with plain triangles, 23 with 90 degrees, 28 with 110 and 120, and 64
 /// where no face counts as turned over.

@@ -15,7 +15,7 @@
 namespace tripatch {
 namespace {
 
-/// Degrees between the tangent planes of two sides at their corner from which on a person is told.
+/// Degrees between the tangent planes of two sides at their corner from which on a user reads of it.
 constexpr double corner_mismatch_warned = 1;
 
 /// Barycentric coordinates of side i at parameters t.

@@ -27,8 +27,8 @@ constexpr double exact_nugget = -12.5;
 /// Logarithms of likelihoods are divided by this share of the number of samples before orders are averaged: neighboring samples of
 /// a real surface tell much the same. Measured on 37 known surfaces with noise and 35 holes of scanned and modelled meshes.
 constexpr double tempering = 0.1;
-/// Surroundings whose noise is this share of an edge, or more, are not sampled finely enough to tell how they go on: the lowest two
-/// orders, which run on least, are taken instead of the likeliest. Noise of 0.02 edges has to stay below it: at 0.03 fills of known
+/// Surroundings whose noise is this share of an edge, or more, are not sampled finely enough to tell how they continue: the lowest two
+/// orders, which overshoot least, are taken instead of the likeliest. Noise of 0.02 edges has to stay below it: at 0.03 fills of known
 /// surfaces with it are 6% farther and their deviations too large, from 0.036 to 0.05 real ones are the same.
 constexpr double rough_noise = 0.04;
 /// Standard deviations are those of so many samples at most: the time grows with their square.
@@ -101,7 +101,7 @@ struct Contrasts {
     lower.triangularView<Eigen::Lower>().transpose().solveInPlace(x);
     return of(x);
   }
-  /// The polynomial beside the weights.
+  /// The polynomial next to the weights.
   MatrixXd polynomial(const MatrixXd& weights, const MatrixXd& samples) const {
     return triangle.triangularView<Eigen::Upper>().solve(basis.transpose() * samples - along.transpose() * weights);
   }
@@ -207,7 +207,7 @@ std::vector<OrderFound> orders_found(const PlanePoints& points, const MatrixXd& 
   return found;
 }
 
-/// The directions in which points about 0 are spread most and least, in columns: their monomials are told apart in a narrow strip too,
+/// The directions in which points about 0 are spread most and least, in columns: their monomials are distinguished in a narrow strip too,
 /// whose two coordinates are nearly the same where it lies aslant.
 Eigen::Matrix2d along_and_across(const PlanePoints& points) {
   const Eigen::Matrix2d spread = points.transpose() * points;

@@ -12,7 +12,7 @@ namespace {
 /// Gauss-Newton's, to feet on a surface: they move by this share of its domain at most, and end with a billionth of that.
 constexpr int steps_to_feet = 12;
 constexpr double longest_step_to_feet = 0.02, last_step_to_feet = 1e-9;
-/// Vertices that a field is fitted to beside its centers: the time grows with their number, noise is averaged over them.
+/// Vertices that a field is fitted to next to its centers: the time grows with their number, noise is averaged over them.
 constexpr Index most_fitted = 4000;
 
 /// Where the tangent planes at the rim have vertices.

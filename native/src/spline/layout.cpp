@@ -32,7 +32,7 @@ constexpr double least_cotangent = 0.05;
 constexpr double least_border_edge = 1e-2;
 /// Of the embedding. A finger six radii long begins at an energy of 395 without any, 20 with two and 13 with these; it ends at 10.
 constexpr int reweightings = 4;
-/// Over its area, that of a triangle as it comes out: weights are made anew by no less.
+/// Over its area, that of a triangle as it comes out: weights are made again by no less.
 constexpr double least_shrunk = 1e-12;
 /// Of the energy before: a reweighting that leaves more is the last.
 constexpr double enough_gained = 0.99;
@@ -43,7 +43,7 @@ constexpr int halvings = 40;
 /// Of the mean diagonal element of the Hessian, for the energy does not see where the whole lies and how it is turned. With a
 /// thousand times as much two of those 72 move by more than 1e-3 of the diameter.
 constexpr double free_motions = 1e-9;
-/// Of the gradient: a step of Newton's that leaves more is refined, so many times at most. Beside thin triangles the matrix has lost the digits
+/// Of the gradient: a step of Newton's that leaves more is refined, so many times at most. Next to thin triangles the matrix has lost the digits
 /// of how they move as a whole, and what rounding makes of a step the next ones enlarge up to a million times: of meshes stretched by 1000
 /// two refinements leave 1e-13, of others there is none, or one.
 constexpr double refined = 1e-14;
@@ -267,7 +267,7 @@ public:
     std::vector<Eigen::Triplet<double>> entries;
     entries.reserve(static_cast<std::size_t>(count_) + 3 * disc.triangles.size());
     for (int row = 0; row < count_; ++row) entries.emplace_back(row, row, 0);
-    for (const Triangle& t : disc.triangles)  // of two beside an edge each takes it in its own direction
+    for (const Triangle& t : disc.triangles)  // of two next to an edge each takes it in its own direction
       for (int k = 0; k < 3; ++k)
         if (const int p = t[k], q = t[(k + 1) % 3]; is_below(p, q)) entries.emplace_back(row_[p], row_[q], 0);
     laplacian_.resize(count_, count_);
@@ -396,7 +396,7 @@ public:
     return true;
   }
 
-  /// Tutte's embedding, its weights made anew some times so that triangles that come out small get larger; of those that turn
+  /// Tutte's embedding, its weights made again some times so that triangles that come out small get larger; of those that turn
   /// nothing over the one of the least energy.
   std::optional<PlanePoints> tutte() const {
     std::vector<double> conductance(shapes_.size(), 1);
@@ -491,7 +491,7 @@ private:
   void order() {
     std::vector<Eigen::Triplet<double>> ones;
     ones.reserve(3 * disc_.triangles.size() + disc_.border.size() + static_cast<std::size_t>(n_));
-    for (const Triangle& t : disc_.triangles)  // of two beside an edge each takes it in its own direction
+    for (const Triangle& t : disc_.triangles)  // of two next to an edge each takes it in its own direction
       for (int k = 0; k < 3; ++k) ones.emplace_back(t[k], t[(k + 1) % 3], 1);
     for (std::size_t k = 0; k < disc_.border.size(); ++k)
       ones.emplace_back(disc_.border[(k + 1) % disc_.border.size()], disc_.border[k], 1);

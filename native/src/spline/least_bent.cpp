@@ -21,7 +21,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 /// that are all but an edge.
 constexpr double steepest = 100, least_area = 1e-3;
 /// Areas of vertices where a fill meets its surroundings, over those of the fill's triangles alone: the planes of these surroundings are
-/// those of single triangles. With 1 cages that end at wide bevels go on as those leave, with 2 at narrow ones; 1.3 to 2 leave 60 rough
+/// those of single triangles. With 1 cages that end at wide bevels continue as those leave, with 2 at narrow ones; 1.3 to 2 leave 60 rough
 /// holes equally near to what was there, with 3 they are 2% farther.
 constexpr double softness_of_planes = 1.5;
 
@@ -57,8 +57,8 @@ constexpr Index at_once = 32;
 /// Least energies of increasing orders, of the same free vertices. With the Laplacian S, positive on its diagonal, and the areas A the
 /// energies are x' S x, w' w / A of w = S x, and v' S v of v = w / A. Matrices of the higher two have the condition of S squared and
 /// cubed, beyond all digits where triangles are thin. But w of the free vertices (f) may be anything: it says x, and with it w of those
-/// beside them (b), which are held, w_b = B w_f + e with B = S_bf / S_ff. There w takes nothing from the triangles around but the planes in
-/// which these go on across the rim, as of a plate that is clamped: with their own bend, which no fill changes, 334 fills of holes cut by
+/// next to them (b), which are held, w_b = B w_f + e with B = S_bf / S_ff. There w takes nothing from the triangles around but the planes in
+/// which these continue across the rim, as of a plate that is clamped: with their own bend, which no fill changes, 334 fills of holes cut by
 /// booleans are 6% farther from what was there, 60 of rough ones 3%. So what is left has an unknown or two for each of those vertices
 /// (multipliers m of those equations, and v_b), and S_ff alone is factored.
 class Bending {
@@ -138,7 +138,7 @@ private:
     solver_.compute(turned);
   }
 
-  /// S of those beside by the free ones (transposed) and among themselves.
+  /// S of those next to by the free ones (transposed) and among themselves.
   void take_blocks(const Sparse& stiffness) {
     const Index n = static_cast<Index>(beside_.size());
     std::vector<Index> row(static_cast<std::size_t>(stiffness.rows()), -1);
@@ -221,19 +221,19 @@ private:
   }
 
   Index first_, count_;
-  Eigen::VectorXd areas_, free_, held_;                                 // of all vertices, the free ones and those beside them
+  Eigen::VectorXd areas_, free_, held_;                                 // of all vertices, the free ones and those next to them
   std::vector<Index> beside_;                                           // held, and joined to free ones
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> turn_;  // to the order of elimination
   Eigen::SimplicialLDLT<Sparse, Eigen::Upper, Eigen::NaturalOrdering<int>> solver_;
   bool regular_ = false;
-  Sparse to_free_;  // S of the free ones by those beside
+  Sparse to_free_;  // S of the free ones by those next to
   Eigen::MatrixXd among_;
-  Eigen::SparseMatrix<double, Eigen::RowMajor> beyond_;  // S of those beside by all that is farther off
+  Eigen::SparseMatrix<double, Eigen::RowMajor> beyond_;  // S of those next to by all that is farther off
   Points known_, from_held_;                             // S x of what is held, and what it makes of the free ones
   Eigen::MatrixXd transfer_, second_, of_held_;
 };
 
-/// Of the higher of two orders: it runs on farther, and errs more where it errs. Twice as much leaves 84 holes of scanned and modelled
+/// Of the higher of two orders: it overshoots farther, and errs more where it errs. Twice as much leaves 84 holes of scanned and modelled
 /// meshes 1.7% farther from what was there, half 0.6% nearer.
 constexpr double share_of_last = 0.25;
 /// Of the second model where surroundings are rough and have details: with all of `most_of_second` 216 holes of 25 meshes are 1.5% farther,

@@ -75,7 +75,7 @@ constexpr int edges_in_layouts = 20;
 constexpr std::size_t most_in_layouts = 30'000;
 /// Of the area of few triangles, and of how many fine ones that asks for: a field whose fine ones have more of both folds between the few.
 /// Of 18 fills of rims of 220 to 370 edges those that served had 1.00 to 1.02 times the area and 0.6 to 1.4 times the triangles; seven
-/// that folded in vain had 1.6 to 40 and 2.9 to 6.
+/// that folded avoidably had 1.6 to 40 and 2.9 to 6.
 constexpr double more_area = 1.4, more_triangles = 2;
 /// Vertices of a fill times those of its rim: where there are more, fewer triangles are bent by themselves, of which each try takes 0.2 s there.
 constexpr Index most_bent = 1'000'000;
@@ -94,7 +94,7 @@ constexpr int rings_for_further = 3;
 /// Below this share of the second model it is not worth its time: half and twice of it change 8 of 84 fills, all together by less than 1%.
 constexpr double least_share_of_second = 0.1;
 /// A field that somewhere is this many diameters of the hole from the triangles that bend least, though there are details that no polynomial
-/// explains, has run on as the end of a fillet does: between the bevels of cylinders it made funnels. Not one whose noise is this share
+/// explains, has overshot, as at the end of a fillet: between the bevels of cylinders it made funnels. Not one whose noise is this share
 /// of an edge: that knows little and runs nowhere. Of 500 holes in 25 meshes made by Blender's tools, and the same cut into triangles, 8
 /// are so far off; the triangles that bend least are 2.5 to 16 times nearer on three of them and a third farther at worst. From 0.13
 /// on it is the same; with all noises some are 4 times farther.
@@ -112,7 +112,7 @@ constexpr double farthest = 1.0;
 /// pulled far out of the rim surfaces were laid out down to 5e-10 and none from 1e-10 on, after up to seven seconds.
 constexpr double least_edge = 2e-10;
 
-/// The rim as it is, and what is known beside it.
+/// The rim as it is, and what is known next to it.
 struct Rim {
   Points points;
   Triangles rough;
@@ -168,7 +168,7 @@ Rim rim_of(const Mesh& mesh, const Connectivity& around, const std::vector<std::
   for (const std::vector<Index>& loop : loops)
     for (std::size_t i = 0; i < loop.size(); ++i, ++k) {
       rim.surroundings.normals.row(k) = rim.beyond[k].normal;
-      if (turned[k]) {  // a fill that goes on as the others do cannot but fold there
+      if (turned[k]) {  // a fill that continues as the others do cannot but fold there
         rim.turned_over.push_back(rim.beyond[k]);
         rim.beyond[k].normal.setZero();
       }
@@ -196,7 +196,7 @@ Eigen::VectorXd distances(const Disc& disc) {
 
 /// The best spread samples, rows of the disc's vertices and of the points on its edges: all of the rim if there are not too many, then
 /// always the one that is farthest from those taken, over its own distance from the rim. Were that in edges where the rim has more of them
-/// than samples, all others would be of the rim too, and the slope beside it unseen. In an order of which every k-th is spread over all.
+/// than samples, all others would be of the rim too, and the slope next to it unseen. In an order of which every k-th is spread over all.
 std::vector<Index> spread_samples(const Disc& disc, double edge, Index more = more_than_rim, Index most = most_samples) {
   const Points points = with_points_on_edges(disc, disc.points);
   const Eigen::VectorXd distance = distances(disc);
@@ -506,7 +506,7 @@ Index most_folds(const Rim& rim, const Attempt& result) {
   return rim.folds + static_cast<Index>(rim.turned_over.size()) - over_turned;
 }
 
-/// The average with the second model where the surroundings are rough: with one that keeps the planes beside the rim, or, where that
+/// The average with the second model where the surroundings are rough: with one that keeps the planes next to the rim, or, where that
 /// folds more than the rim, with one that need not. As it was where that leaves the rim or folds more.
 void average_models(const Disc& disc, const Rim& rim, Attempt& result) {
   const double share = share_of_second({result.field->noise() / std::max(rim.edge, 1e-300), result.field->roughness(),
@@ -635,7 +635,7 @@ Disc with_two_rings(const Mesh& mesh, const Connectivity& continued, const std::
   return disc.rings < 2 ? disc_around(mesh, continued, loops, 0, 2) : disc;
 }
 
-/// Orders of a second model, and whether it keeps the planes beside the rim.
+/// Orders of a second model, and whether it keeps the planes next to the rim.
 struct Bends {
   std::vector<int> orders;
   bool keep_planes = true;
@@ -648,11 +648,11 @@ bool serves(const Rim& rim, Attempt& result) {
 }
 
 /// The second model by itself where the field folds: on meshes whose noise is a third of an edge the field passes the rim's vertices so
-/// far off that its triangles fold back over the mesh, and so may those that keep the planes beside the rim, which are noise. False, and
+/// far off that its triangles fold back over the mesh, and so may those that keep the planes next to the rim, which are noise. False, and
 /// as it was, where this folds more than the rim too.
 bool second_alone(const Disc& disc, const Rim& rim, Attempt& result) {
   if (disc.triangles.empty() || result.made.points.rows() == disc.rim || result.met) return false;
-  std::array<std::optional<SecondModels>, 2> of_result;  // that need not keep the planes beside the rim, and that do
+  std::array<std::optional<SecondModels>, 2> of_result;  // that need not keep the planes next to the rim, and that do
   for (const auto& [orders, keep_planes] : {Bends{{2, 3}}, {{2}}, {{2, 3}, false}, {{2}, false}, {{1}}}) {
     Attempt alone = result;
     std::optional<SecondModels>& models = of_result[keep_planes];
@@ -698,7 +698,7 @@ PlanePoints inside_rim(const Attempt& result, const Rim& rim) {
   return inside;
 }
 
-/// What the fill errs beyond what it errs beside the rim, the layout hands on to it.
+/// What the fill errs beyond what it errs next to the rim, the layout hands on to it.
 Eigen::VectorXd with_layout_errors(Eigen::VectorXd deviation, double near_rim, double fed_back) {
   const double least = near_rim * near_rim, times = 1 / ((1 - fed_back) * (1 - fed_back));
   for (double& d : deviation)
@@ -915,7 +915,7 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
   return best;
 }
 
-/// Of a long rim, and what surrounds it, edges shorter than so many of a circle of the hole's diameter are collapsed. Caps of a sphere
+/// Of a long rim, and its surroundings, edges shorter than so many of a circle of the hole's diameter are collapsed. Caps of a sphere
 /// with rims of 500 to 5,000 edges, 45 to 80 degrees wide, are farther off with 160, and with 240 the field takes the layout's errors for
 /// noise now and then. But where the surroundings are narrow so many more that there are three rows of triangles: of caps and waves with
 /// rims of 4,000 edges, 40 rings of faces wide, the fills were 2 to 30 times farther off.

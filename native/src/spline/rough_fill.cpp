@@ -1,6 +1,6 @@
 // Dynamic programming over the chords of the rim: the best fill of the polygon beyond chord (i, k) is the best apex m with the best
 // fills beyond (i, m) and (m, k). A chord's apexes are compared in one go; angles by the signed square of their cosine, which needs no
-// root. Equally good ones, but for rounding, are told apart by their place in the rim: turned, moved or scaled it is the same fill.
+// root. Equally good ones, but for rounding, are distinguished by their place in the rim: turned, moved or scaled it is the same fill.
 #include "tripatch/spline/rough_fill.h"
 
 #include <Eigen/Dense>
@@ -133,7 +133,7 @@ public:
   }
 
 private:
-  /// What is left of a large polygon without the ears that go on from the faces beyond their two edges, that with the shortest chord first:
+  /// What is left of a large polygon without the ears that continue from the faces beyond their two edges, that with the shortest chord first:
   /// at every vertex where a jagged hole sticks out, then at the next, until few enough are left.
   Polygon without_ears(const Polygon& polygon, std::vector<std::array<Index, 3>>& out) const {
     const Index n = polygon.size();

@@ -70,7 +70,7 @@ struct Frame {
   Vec3 normal_of(const Vec2& slope) const { return (normal - slope[0] * u - slope[1] * v).normalized(); }
 };
 
-/// Nothing where a face is turned from the plane, or from one beside it, as far as at a crease.
+/// Nothing where a face is turned from the plane, or from one next to it, as far as at a crease.
 std::optional<Frame> frame_of(const Mesh& mesh, const Connectivity& around, const TwoRings& near, std::size_t edges) {
   static const double least_cosine = std::cos(least_crease_angle);
   std::vector<Vec3> areas;
@@ -220,7 +220,7 @@ private:
            -no_area * std::sqrt(ca.squaredNorm() * cb.squaredNorm() * da.squaredNorm() * db.squaredNorm());
   }
 
-  /// A vertex in the middle of the inner edge that is longest beside what its ends ask for, where that is too long.
+  /// A vertex in the middle of the inner edge that is longest next to what its ends ask for, where that is too long.
   bool insert() {
     double most = longest_edge;
     std::array<std::size_t, 2> at{};
@@ -252,7 +252,7 @@ private:
     return {};
   }
 
-  /// Each new vertex amid those beside it, where that turns no triangle over.
+  /// Each new vertex amid those next to it, where that turns no triangle over.
   void smooth() {
     std::vector<Vec2> sum(places_.size(), Vec2::Zero());
     std::vector<int> count(places_.size(), 0);
@@ -374,7 +374,7 @@ private:
   double error_ = 0;
 };
 
-/// The vertices beside the rim first, as many as there may be.
+/// The vertices next to the rim first, as many as there may be.
 void keep_nearest(std::vector<Vec3>& samples, std::size_t rim) {
   if (samples.size() <= most_samples_of_small) return;
   const auto nearer = [](const Vec3& a, const Vec3& b) { return a.head<2>().squaredNorm() < b.head<2>().squaredNorm(); };

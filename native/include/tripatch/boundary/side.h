@@ -1,4 +1,4 @@
-// A side of the hole and what surrounds it. Conventions: side i is opposite corner i and runs, t from 0 to 1, from corner
+// A side of the hole and its surroundings. Conventions: side i is opposite corner i and runs, t from 0 to 1, from corner
 // i + 1 to corner i + 2 (mod 3), in the direction in which the new faces traverse the rim.
 #pragma once
 
@@ -32,7 +32,7 @@ Side piece_of(const Side& side, double from, double to);
 Side moved_ends(Side side, const Vec3& start, const Vec3& end);
 
 /// Sides in rim order of which some are not continued: those take nothing from what lies beyond them. Between the vertices of a rim
-/// they run as these alone tell, not as the faces beside them bend. Their planes are spanned by what the rim itself says: at a corner
+/// they run as these alone tell, not as the faces next to them bend. Their planes are spanned by what the rim itself says: at a corner
 /// the plane of a neighbor that is continued, else that of the two sides' tangents; in between they turn evenly from one to the other.
 /// No curvature across them is known. The others stay as they are, bit for bit.
 std::vector<Side> told_by_rim(std::vector<Side> sides, const std::vector<bool>& continued);

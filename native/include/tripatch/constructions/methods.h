@@ -45,7 +45,7 @@ struct Method {
 constexpr const char* automatic_method = "auto";
 /// The method for any rim, see spline/plane_fill.h.
 constexpr const char* spline_method = "polyharmonic_spline";
-/// Rows of quads that go on across a hole, see grid/continued_rows.h.
+/// Rows of quads that continue across a hole, see grid/continued_rows.h.
 constexpr const char* rows_method = "quad_rows";
 /// The patch between any number of sides, see polygon/patch.h; between three it is that of patch_method.
 constexpr const char* polygon_method = "multi_sided";

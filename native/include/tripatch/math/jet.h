@@ -78,7 +78,7 @@ struct Jet {
     r.c[0] += s;
     return r;
   }
-  /// Not inlined: a call is nothing beside the product, and copies of it at every use are most of the time it takes to compile.
+  /// Not inlined: a call is nothing next to the product, and copies of it at every use are most of the time it takes to compile.
   friend Jet operator*(const Jet& a, const Jet& b)
     requires(N > 1)
   {

@@ -1,4 +1,4 @@
-// Who is beside whom in a mesh: built once, in time linear in the mesh, and passed on to all that walk over it. What is asked of it
+// Who is next to whom in a mesh: built once, in time linear in the mesh, and passed on to all that walk over it. What is asked of it
 // afterwards takes time by the faces concerned, not by the mesh.
 #pragma once
 
@@ -48,7 +48,7 @@ public:
 
   /// That of two vertices with fewer faces: to look at for an edge.
   Index sparser(Index a, Index b) const;
-  /// The first corner at `from` whose face runs on to `to`: the face that holds the edge in this direction.
+  /// The first corner at `from` whose face continues to `to`: the face that holds the edge in this direction.
   std::optional<Corner> edge(Index from, Index to) const;
   /// The faces at an edge, whatever their direction.
   std::vector<Index> faces_at_edge(Index a, Index b) const;

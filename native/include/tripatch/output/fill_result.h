@@ -33,10 +33,10 @@ struct Fill {
   std::vector<double> split_t;
   std::vector<Index> moved;        ///< cage, rim `move`: vertices of the mesh
   Points moved_to = Points(0, 3);  ///< and where they go
-  /// Cage: edges to be creased, those of an exact rim with 1, and others on which creases go on across the hole; how much.
+  /// Cage: edges to be creased, those of an exact rim with 1, and others on which creases continue across the hole; how much.
   std::vector<std::array<Index, 2>> creases;
   std::vector<double> crease_values;
-  /// Edges of the fill on which creases of the surroundings go on across the hole, and those of the rim where a lid meets the mesh at an angle.
+  /// Edges of the fill on which creases of the surroundings continue across the hole, and those of the rim where a lid meets the mesh at an angle.
   std::vector<std::array<Index, 2>> feature_edges;
   SurfacePtr patch;
   std::vector<Side> sides;  ///< the surroundings used; empty where the patch has no sides

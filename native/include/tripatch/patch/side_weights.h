@@ -7,7 +7,7 @@
 namespace tripatch {
 
 /// Side weights of the Nielson blend (Szilvasi-Nagy and Szabo 2006, eq. 2): W_i = b_j^2 b_k^2 / (b_0^2 b_1^2 + b_1^2 b_2^2 +
-/// b_2^2 b_0^2) = 1 + O(b_i^2) at side i. Written about the nearest vertex so that nothing underflows beside it; b must not
+/// b_2^2 b_0^2) = 1 + O(b_i^2) at side i. Written about the nearest vertex so that nothing underflows next to it; b must not
 /// be a vertex.
 template <int N>
 std::array<Jet<N>, 3> side_weights(const Barycentric<N>& b) {

@@ -18,7 +18,7 @@ NOT_TRIED = "It has not run under a manager yet"
 
 KINDS = ("commands", "slurm", "openjd", "flamenco")
 
-#: OpenJD allows 1024 values of a task parameter, SLURM 1001 tasks of an array unless it is told otherwise.
+#: OpenJD allows 1024 values of a task parameter, SLURM 1001 tasks of an array unless configured otherwise.
 _MOST_TASKS = 1000
 
 
@@ -82,7 +82,7 @@ def _openjd(count: int, chunk: int, words: list[str], listed: Path, out: Path) -
         "specificationVersion": "jobtemplate-2023-09",
         "name": "TriPatch: fill holes",
         "parameterDefinitions": [
-            # strings: paths with defaults must lie beside the template, which is wherever the text is put
+            # strings: paths with defaults must lie next to the template, which is wherever the text is put
             {"name": "Files", "type": "STRING", "default": str(listed)},
             {"name": "Out", "type": "STRING", "default": str(out)},
         ],

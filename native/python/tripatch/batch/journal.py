@@ -1,4 +1,4 @@
-"""What became of the files so far, in the folder of the results: the next run goes on from there."""
+"""What became of the files so far, in the folder of the results: the next run continues from there."""
 
 from __future__ import annotations
 

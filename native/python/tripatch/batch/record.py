@@ -1,6 +1,6 @@
 """The lines of a batch: one for each file and one for each of its holes, JSON with always the same names.
 
-Nothing in them depends on when, where or beside what a file was done, so that the same files give the same bytes. docs/batch.md
+Nothing in them depends on when, where or next to what a file was done, so that the same files give the same bytes. docs/batch.md
 describes every name; SCHEMA counts up when one changes its meaning or goes.
 """
 

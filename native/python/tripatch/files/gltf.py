@@ -1,4 +1,4 @@
-"""glTF 2.0, as GLB and as JSON. New faces are primitives beside the old ones; what was there stays as it is, to the byte.
+"""glTF 2.0, as GLB and as JSON. New faces are primitives next to the old ones; what was there stays as it is, to the byte.
 
 pygltflib and the like leave out what they do not know, so that the JSON is edited here.
 """
@@ -443,7 +443,7 @@ class _Writer:
         return data
 
     def as_uri(self, rest: bytes | None) -> bytes | None:
-        """Puts the buffer into the JSON; returns what the file holds beside it."""
+        """Puts the buffer into the JSON; returns what the file holds next to it."""
         data = b"".join(self._pieces)
         self._said["buffers"].append({"byteLength": len(data), "uri": _as_uri(data)})
         return rest

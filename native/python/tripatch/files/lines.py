@@ -18,7 +18,7 @@ _CONTINUED = re.compile(rb"\\[\r\n]+(?=.)", re.DOTALL)
 
 
 class Lines:
-    """The lines of a text; one that ends with a backslash goes on in the next if `continued`.
+    """The lines of a text; one that ends with a backslash continues in the next if `continued`.
 
     Attributes:
         data: the text.

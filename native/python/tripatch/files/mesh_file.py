@@ -51,7 +51,7 @@ class MeshFile:
             face = int(np.searchsorted(self.faces.offsets, place, "right")) - 1
             raise FileError(f"Face {face} names a vertex that does not exist; there are {len(vertices)}")
         self._added = 0  # vertices
-        self._marks, self._number = False, 0  # whether fills are told apart, and how many there are
+        self._marks, self._number = False, 0  # whether fills are distinguished, and how many there are
         self._about: list[dict[str, Any]] = []  # of each that was added
         self._joined: Any = None
         self._hashes: dict[int, tuple[Any, str]] = {}
@@ -207,7 +207,7 @@ class MeshFile:
         raise NotImplementedError
 
     def _look(self, f: int) -> Hashable:
-        """What the file says of its own face f as a whole (material, group, ...): new faces have what a face beside them has."""
+        """What the file says of its own face f as a whole (material, group, ...): new faces have what a face next to them has."""
         return None
 
     def _append(self, fill: Any, faces: list[list[int]], continued: Continued) -> None:

@@ -137,7 +137,7 @@ class SceneFile(MeshFile):
         return {f: self._own_face(f)[self.faces[f].index(v)] for f in self._faces_at(v)}
 
     def _home(self, continued: Continued, fill: Any) -> list[int]:
-        """For each new face the old one beside which it lies."""
+        """For each new face the old one next to which it lies."""
         if continued.model:
             return continued.model
         beside = next((f for v in fill.rim for f in self._faces_at(int(v))), 0)
@@ -166,7 +166,7 @@ class Addition:
     Attributes:
         chosen: their numbers in the fill.
         faces: their corners, as the part's faces run: below n vertices of the scene, from there on new ones of the fill.
-        models: the old face beside each.
+        models: the old face next to each.
     """
 
     scene: SceneFile
@@ -190,7 +190,7 @@ class Addition:
         return made and [made[k][::step] for k in self.chosen]
 
     def copy_of(self, v: int) -> int:
-        """A vertex of the scene as the part's own, preferably of a face of the kind beside; -1: the part has none there."""
+        """A vertex of the scene as the part's own, preferably of a face of the kind next to; -1: the part has none there."""
         copies = {f: own for f, own in self.scene._copies(v).items() if self.scene._part_of_face[f] == self.number}
         kind = self.scene._look(self.models[0])
         return next((own for f, own in copies.items() if self.scene._look(f) == kind), next(iter(copies.values()), -1))

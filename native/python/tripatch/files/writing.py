@@ -24,7 +24,7 @@ class FileError(ValueError):
 
 
 def write_over(path: Path, save: Callable[[Path], object]) -> None:
-    """Has `save` write a file of a new name beside `path`, then puts it in its place: a full disk, or an end in between, costs
+    """Has `save` write a file of a new name next to `path`, then puts it in its place: a full disk, or an end in between, costs
     nobody the file that was there. What is written over keeps its mode, owner and links."""
     try:
         target = Path(os.path.realpath(path))  # a link stays one
@@ -36,7 +36,7 @@ def write_over(path: Path, save: Callable[[Path], object]) -> None:
             raise IsADirectoryError(None, "Is a directory")
         through = before and (before.st_nlink > 1 or not stat.S_ISREG(before.st_mode))  # it has other names, or is a device
         part = target.with_name(f".tripatch-{secrets.token_hex(6)}.part")
-        if before and not stat.S_ISREG(before.st_mode):  # where nothing can be beside it
+        if before and not stat.S_ISREG(before.st_mode):  # where nothing can be next to it
             part = Path(tempfile.gettempdir()) / part.name
         name = str(part)
         try:

@@ -23,7 +23,7 @@ FaceShape face_shape(const Sums& positions, bool triangle);
 
 struct FairHole {
   std::vector<FaceShape> inside;  ///< the hole's faces
-  /// The same faces and those that touch the rim from outside, where all are about as long across the rim: what parameters run on. Of
+  /// The same faces and those that touch the rim from outside, where all are about as long across the rim: what parameters run along. Of
   /// longer ones only what lies as near to the rim as the fill's own faces are deep.
   std::vector<FaceShape> even;
   double size = 0;               ///< of the hole, scene units

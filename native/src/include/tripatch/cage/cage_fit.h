@@ -56,7 +56,7 @@ public:
   void place(std::size_t hole, const Points& inside);
   /// What the patch in a hole is to meet: the limit surface that the fill continues.
   CageSides sides(std::size_t hole) const;
-  /// Creases that go on across a hole, and the first vertex of the closed cage that is inside it.
+  /// Creases that continue across a hole, and the first vertex of the closed cage that is inside it.
   std::vector<InnerCrease> creases(std::size_t hole) const {
     return creases_through(closed_, whole_, holes_[hole], hole, settings_);
   }

@@ -32,7 +32,7 @@ SplitMesh split_odd_rims(const Mesh& mesh, const std::vector<SidedRim>& holes, c
 QuadLayout cage_layout(const Hole& hole, const Points& vertices, bool loop, int rows, const std::array<double, 2>& pole_offset);
 
 /// Extra rows that are tried one after the other, until the cage is near enough to its patch. But for an exact rim quads as large as
-/// those around come first, whatever is asked for: only with them do the lines of the surroundings run on, as a fair cage needs them.
+/// those around come first, whatever is asked for: only with them do the lines of the surroundings continue, as a fair cage needs them.
 std::vector<int> rows_to_try(const LayoutOptions& options, bool loop, bool exact);
 
 }  // namespace tripatch

@@ -16,7 +16,7 @@ struct CageOptions {
   double seam = 5;           ///< exact: tangent planes along the rim, radians times the size of the hole
   double seam_width = 0.05;  ///< exact: times `seam`: how far the first row reaches inwards
   /// The same of fills that keep to the points of a fair cage with a smooth rim, from which an exact one differs: with more, few quads turn
-  /// over beside short sides, and the angles at the seam fall by a degree only.
+  /// over next to short sides, and the angles at the seam fall by a degree only.
   double seam_of_points = 0.1, seam_width_of_points = 0.5;
   double lines = 0.01;  ///< third derivatives in the faces' parameters: where along the patch the lines run
   int rounds = 3;       ///< how often it is fitted, each time to the points of the patch that have become the nearest

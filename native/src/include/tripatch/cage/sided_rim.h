@@ -50,11 +50,11 @@ PolygonDomain cage_domain(const SidedRim& rim, const Points& vertices, const Con
 QuadLayout polygon_cage_layout(const SidedRim& rim, const Points& vertices, const PolygonDomain& domain, const Connectivity& left,
                                int rows);
 
-/// The layout of quads that go on from the faces around (quads/grown_quads.h), coordinates (u, v, 0) of the rim as it is seen along its
+/// The layout of quads that continue from the faces around (quads/grown_quads.h), coordinates (u, v, 0) of the rim as it is seen along its
 /// vector area; none where none is found.
 std::optional<QuadLayout> grown_layout(const std::vector<Index>& rim, const Points& vertices, const Connectivity& left,
                                        WantedQuads which = WantedQuads::by_number);
-/// Whether quads that go on from the faces around leave fewer irregular vertices, on the rim and inside, than ones between the corners must on
+/// Whether quads that continue from the faces around leave fewer irregular vertices, on the rim and inside, than ones between the corners must on
 /// the rim alone. Not where the rim shows its corners and the faces around are not all quads.
 bool grows_on(const SidedRim& rim, const Points& vertices, const Connectivity& left);
 

@@ -1,4 +1,4 @@
-// The curve on which a crease goes on across a hole: a Gaussian process along it through the vertices that the crease has on both
+// The curve on which a crease continues across a hole: a Gaussian process along it through the vertices that the crease has on both
 // sides, or near them where they are noisy. The same as Field in one dimension: polynomials of a degree below the order m are free,
 // the covariance is (-1)^m |t|^(2m-1) (Wahba 1990), order and nugget by restricted likelihood.
 #pragma once

@@ -1,4 +1,4 @@
-// Creases of the surroundings that end at the rim, and which of them go on across the hole.
+// Creases of the surroundings that end at the rim, and which of them continue across the hole.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ inline constexpr int most_crease_rings = 40;
 struct CreaseEnd {
   Index place = 0;           ///< in the rim
   std::vector<Index> chain;  ///< vertices of the mesh along it, the rim's first
-  Vec3 into;                 ///< unit: how it goes on into the hole
+  Vec3 into;                 ///< unit: how it continues into the hole
   Vec3 left, right;          ///< unit normals of the faces on both sides, seen in that direction
   double angle = 0;          ///< radians between these, positive where they turn away from each other
 };
@@ -36,15 +36,15 @@ struct Features {
   std::vector<Index> vertices;               ///< of the surroundings that were looked at, sorted
   std::vector<std::array<Index, 2>> barred;  ///< their sharp edges, lower vertex first, sorted: surfaces end there
 
-  /// Whether anything goes on across the hole.
+  /// Whether anything continues across the hole.
   bool found() const { return !creases.empty() || walls; }
 };
 
-/// Whether a crease or a wall ends at the rim: at most holes none does, which the faces beside it say.
+/// Whether a crease or a wall ends at the rim: at most holes none does, which the faces next to it say.
 bool may_have_features(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
 
 /// rim: as new faces traverse it. An edge is sharp where its faces are 25 degrees or more apart, and three times as much as at
-/// ordinary edges of the surroundings and at those beside it: smooth meshes, however coarse, and noisy ones have no crease.
+/// ordinary edges of the surroundings and at those next to it: smooth meshes, however coarse, and noisy ones have no crease.
 Features find_features(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
 
 }  // namespace tripatch

@@ -1,4 +1,4 @@
-// Flat walls around a hole, as of a box: where they go on until they meet, the hole is known exactly, edges and corners with it.
+// Flat walls around a hole, as of a box: where they continue until they meet, the hole is known exactly, edges and corners with it.
 #pragma once
 
 #include <numbers>
@@ -26,15 +26,15 @@ struct FlatWalls {
   std::vector<Index> nodes_beside(std::size_t wall) const;
 };
 
-/// rim: as new faces traverse it, `across` in diameter. Walls are planes of the faces beside the rim, and one at most of which no face is
+/// rim: as new faces traverse it, `across` in diameter. Walls are planes of the faces next to the rim, and one at most of which no face is
 /// left, as the rim's edges tell it. None where these planes are too many, where they do not meet in the hole, where a crease between two
 /// of them does not show at the rim, as an edge of the mesh that ends there or as a corner of a third wall, or where a wall seems to
-/// have lost nothing. Of a flat rim one wall, which goes on beside all or some of it and ends at the rest or near by, else none: a cap may
+/// have lost nothing. Of a flat rim one wall, which continues next to all or some of it and ends at the rest or near by, else none: a cap may
 /// lie on it. Faces are sought among those whose vertices are all `near`, sorted.
 std::optional<FlatWalls> flat_walls(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across,
                                     const std::vector<Index>& near);
 
-/// Whether the rim is flat, and the faces beside it are walls that end there at an angle, each with the next or round a straight tube: what is
+/// Whether the rim is flat, and the faces next to it are walls that end there at an angle, each with the next or round a straight tube: what is
 /// lost is another wall of the solid.
 bool walls_end_at_flat_rim(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across);
 

@@ -1,4 +1,4 @@
-// Surfaces over plane domains that meet at creases, as one surface over one plane: each domain is laid beside its neighbor so that
+// Surfaces over plane domains that meet at creases, as one surface over one plane: each domain is laid next to its neighbor so that
 // the ends of their crease fall on each other.
 #pragma once
 

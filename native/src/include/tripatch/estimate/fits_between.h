@@ -19,7 +19,7 @@ class FitsBetween {
 public:
   /// Both must outlive it.
   FitsBetween(const SideDraft& side, const std::vector<VertexFit>& fits);
-  /// At a vertex between others; nothing where those beside it are not told by what lies around them either.
+  /// At a vertex between others; nothing where those next to it are not told by what lies around them either.
   std::optional<VertexFit> at(int vertex);
 
 private:

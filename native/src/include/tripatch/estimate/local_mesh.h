@@ -30,7 +30,7 @@ struct LocalMesh {
 };
 
 /// around: of the mesh at least as far as most_rings around the rim. Throws a Refusal where a vertex within them is not finite, or a
-/// rim edge has no length or no face beside it.
+/// rim edge has no length or no face next to it.
 LocalMesh local_mesh(const Mesh& mesh, const Connectivity& around, const Hole& hole);
 
 }  // namespace tripatch

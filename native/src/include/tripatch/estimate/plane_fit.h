@@ -19,7 +19,7 @@ struct Stencil {
   double depth = 1;  ///< of a row of faces, in edges: y is over it
   Index points = 0;
   std::vector<EightHeights> heights;  ///< of the points, y over depth
-  double faces = 0;                   ///< slope across the rim of the faces beside it
+  double faces = 0;                   ///< slope across the rim of the faces next to it
   double faces_noise = 0;             ///< its variance over that of the noise
   double slope_noise = 1;             ///< of the rim's own direction: variance over that of the noise,
   int slope_order = 4;                ///< and what its interpolation leaves out: (derivative of this degree x slope_truncation)
@@ -31,7 +31,7 @@ struct VarianceComponents {
   double noise = 1e-6;    ///< of a height
   double truncation = 1;  ///< over radius^(2 degree + 2): of what the polynomial leaves out
   std::array<double, fit_degree + 1> term = {1, 100, 1, 1, 1, 1};  ///< of the derivatives of each degree
-  double tilt = 100;                                               ///< of the slope across the rim against the faces beside it
+  double tilt = 100;                                               ///< of the slope across the rim against the faces next to it
 };
 
 /// Coefficients of the terms of 1, x, y, x^2, xy, y^2, ..., which are the derivatives of the height.

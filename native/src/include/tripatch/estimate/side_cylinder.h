@@ -1,4 +1,4 @@
-// Sides along fillets of straight edges: the faces beside them have all their vertices on one cylinder.
+// Sides along fillets of straight edges: the faces next to them have all their vertices on one cylinder.
 #pragma once
 
 #include "tripatch/estimate/side_planes.h"

@@ -11,15 +11,15 @@ namespace tripatch {
 /// One side while it is made, in the units of the local mesh; vectors by rim vertex.
 struct SideDraft {
   std::vector<int> vertex;  ///< of the local mesh
-  std::vector<int> face;    ///< beside the edges
+  std::vector<int> face;    ///< next to the edges
   std::vector<double> t;
   double length = 0;      ///< of the chords
   bool from_end = false;  ///< looked at from its end on, by its geometry: in a mirror it is the same
-  double depth = 1;       ///< of the faces beside the rim, across it, over the edges that they have on it
+  double depth = 1;       ///< of the faces next to the rim, across it, over the edges that they have on it
   std::vector<Vec3> position;
   std::vector<Vec3> point;              ///< the same in scene units
   std::vector<Vec3> tangent;            ///< unit, of the curve through the positions alone
-  std::vector<Vec3> faces;              ///< unit normals: of the faces beside the rim,
+  std::vector<Vec3> faces;              ///< unit normals: of the faces next to the rim,
   std::vector<Vec3> guess;              ///< and the best known so far
   std::vector<Vec3> normal;             ///< of the tangent planes
   std::vector<Eigen::Matrix3d> second;  ///< second fundamental form, of tangent vectors

@@ -26,7 +26,7 @@ struct SideFit {
 
 /// The planes and second fundamental forms of a side, as one neighborhood has them, vertex after vertex, for each is looked for from the one
 /// before. nearest: what each fit is asked to predict; empty: nobody asks as long as all planes are well known, and there is nothing where
-/// one is not; then some are told by those around them. What it is made of must outlive it.
+/// one is not; then some are inferred from those around them. What it is made of must outlive it.
 class SideFitting {
 public:
   SideFitting(const LocalMesh& w, const VarianceComponents& components, SideDraft side, const Neighborhood& near,

@@ -20,7 +20,7 @@ constexpr double coplanar =
     1e-3;  ///< degrees: what coordinates in single precision leave of faces in a plane, as files have them
 
 /// What the plane at a rim vertex may be estimated from. Which one serves best differs from vertex to vertex: on a fair surface the more
-/// the better, but beyond a smooth edge curvature may jump, as where a fillet ends, and no polynomial goes on there.
+/// the better, but beyond a smooth edge curvature may jump, as where a fillet ends, and no polynomial continues there.
 struct Neighborhood {
   int rings;
   bool widened;    ///< where little lies in front of the side, by what does not
@@ -120,7 +120,7 @@ private:
   void look_around(const LocalMesh& w, int v);
 
   std::vector<Around> around_;
-  std::vector<int> seen_from_;  ///< vertices: the last one that they were found to be beside
+  std::vector<int> seen_from_;  ///< vertices: the last one that they were found to be next to
 };
 
 /// The heights at a rim vertex, and which vertices have them.

@@ -16,9 +16,9 @@ constexpr Index fold_grid_rows = 64;
 constexpr double folded_apart = 0.5;
 /// A grid of half as many rows, with all of the rim, tells that the whole one shows no fold where neighbors on it have this cosine and more,
 /// 20 degrees (on a hemisphere they are 6 apart), and all normals this one and more to the rim's, 60 degrees: so it was for all of 2,200
-/// patches that it took to be without folds, beside 1,200 with some.
+/// patches that it took to be without folds, next to 1,200 with some.
 constexpr double surely_together = 0.94, surely_facing = 0.5;
-/// Degrees between two planes, at a corner or kink, from which on every patch turns fast beside it: neighbors nearer to it than
+/// Degrees between two planes, at a corner or kink, from which on every patch turns fast next to it: neighbors nearer to it than
 /// `beside_crease` are not compared.
 constexpr double folds_one_plane = 1;
 /// In barycentric coordinates (ten rows of that grid), or of a polygon's radius.

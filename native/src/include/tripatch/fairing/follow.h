@@ -10,7 +10,7 @@ struct SurfacePoints {
   Points barycentric = Points(0, 3), points = Points(0, 3), normals = Points(0, 3);
 };
 
-/// What a distance along the surface counts beside one across it: where on a surface a point lies matters little, but must be held.
+/// What a distance along the surface counts next to one across it: where on a surface a point lies matters little, but must be held.
 constexpr double follow_along = 0.1;
 /// Of the mean diagonal element of the normal equations, added to it: points may be fewer than unknowns.
 constexpr double follow_least_diagonal = 1e-6;

@@ -13,7 +13,7 @@ namespace tripatch {
 bool asks_for_sides(const FillOptions& options);
 /// Whether somebody shapes the fill: then the patch is made wherever it lies well.
 bool is_shaped_by_hand(const FillOptions& options);
-/// Whether it is left to the fill which of its surroundings it goes on from.
+/// Whether it is left to the fill which of its surroundings it continues from.
 bool is_continuity_open(const FillOptions& options);
 
 /// The spline of the rim alone with the normals that a patch has along it, where that patch knows the planes there but folds inside.
@@ -25,7 +25,7 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
 
 /// The ring between the rim and its only island; a Refusal else.
 Fill fill_ring(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options, const std::string& reason);
-/// A hole with islands: a ring where there is one island, unless the surroundings as a whole tell of another surface.
+/// A hole with islands: a ring where there is one island, unless the whole surrounding surface suggests another surface.
 Fill fill_around_islands(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options);
 
 /// The quads of rows on the surface of another fill of the same hole: its vertices nearest to theirs. Nothing where these are no good quads, or

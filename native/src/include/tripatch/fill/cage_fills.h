@@ -23,7 +23,7 @@ void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<S
 /// that are clear.
 SidedRim cage_rim_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners);
 
-/// Whether faces beside the hole are many times as long as its rim's edges, or its sides have an edge each, of which one split leaves
+/// Whether faces next to the hole are many times as long as its rim's edges, or its sides have an edge each, of which one split leaves
 /// no even way from side to side.
 bool may_fold_by_splitting(const Ground& ground, const SidedRim& hole);
 

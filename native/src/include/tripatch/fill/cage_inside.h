@@ -1,4 +1,4 @@
-// The vertices of a cage inside its hole: on the surface that continues the mesh around it, or in rows of quads that go on.
+// The vertices of a cage inside its hole: on the surface that continues the mesh around it, or in rows of quads that continue.
 #pragma once
 
 #include <optional>
@@ -20,7 +20,7 @@ std::optional<OnMesh> cage_on_mesh(const Ground& ground, const SidedRim& hole, c
                                    const FillOptions& options, Smoothed smoothed);
 
 /// Places of the vertices inside a layout that is such rows, in its order: what continues the cage's own points continues the limit surface
-/// that they carry. replaced: faces that count as not there. None where rows do not go on in it, or where the surface around it tells more.
+/// that they carry. replaced: faces that count as not there. None where rows do not continue in it, or where the surface around it tells more.
 std::optional<Points> cage_in_rows(const Ground& ground, const CageHole& laid_out, const std::vector<Index>& replaced);
 
 }  // namespace tripatch

@@ -12,7 +12,7 @@
 
 namespace tripatch {
 
-/// A mesh and who is beside whom in it, for one fill or for several.
+/// A mesh and who is next to whom in it, for one fill or for several.
 class Ground {
 public:
   /// For one rim, or for all of the mesh where none is given.

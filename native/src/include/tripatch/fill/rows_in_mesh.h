@@ -1,4 +1,4 @@
-// What the faces around rows of quads tell of them: normals, and creases that go on.
+// What the faces around rows of quads tell of them: normals, and creases that continue.
 #pragma once
 
 #include "tripatch/fill/ground.h"
@@ -6,7 +6,7 @@
 
 namespace tripatch {
 
-/// A fill of quads with the faces at its rim, numbered anew.
+/// A fill of quads with the faces at its rim, numbered again.
 class RowsInMesh {
 public:
   RowsInMesh(const Ground& ground, const Fill& quads);

@@ -18,15 +18,15 @@ struct QuadsInside {
 /// Whether all faces at a rim are known, and quads.
 bool is_among_quads(const Connectivity& around, const std::vector<Index>& rim);
 
-/// Poles past which rows go on: the rim does not tell the places of more.
+/// Poles past which rows continue: the rim does not tell the places of more.
 inline constexpr Index most_poles = 1;
 
-/// Whether a rim is among quads, and the rows that end there go on in these: four quads meet at each of its vertices and inside, but
+/// Whether a rim is among quads, and the rows that end there continue in these: four quads meet at each of its vertices and inside, but
 /// for one vertex where three or five do.
 bool go_on(const Connectivity& around, const QuadsInside& quads);
 
 /// The vertices inside with the least sum of squares of mixed differences, as continued_rows has them in blocks, over all quads that are
-/// side by side in four and in nine around them; the order likewise, by the sides of the rim, which run on between its corners. That
+/// side by side in four and in nine around them; the order likewise, by the sides of the rim, which continue between its corners. That
 /// tells little of the middle of many rows, and nothing of a pole: `missed` is what another order puts the vertices apart by, where that
 /// is more. Order 0 where fewer than two orders determine them, or nothing tells how well.
 ContinuedRows continued_quads(const PointsRef& vertices, const Connectivity& around, const QuadsInside& quads);

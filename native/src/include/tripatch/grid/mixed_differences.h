@@ -1,4 +1,4 @@
-// Mixed differences of positions in a mesh of quads, wherever its rows go on.
+// Mixed differences of positions in a mesh of quads, wherever its rows continue.
 #pragma once
 
 #include <array>

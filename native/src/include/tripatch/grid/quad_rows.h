@@ -1,4 +1,4 @@
-// A hole that was a block in rows of quads, and the rows that go on around it.
+// A hole that was a block in rows of quads, and the rows that continue around it.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 namespace tripatch {
 
 /// Vertices stand at (i, j), i from 0 to n and j from 0 to m in the block, whose inside is missing: the rim runs from (0, 0) to (n, 0),
-/// (n, m), (0, m) and back. Beyond its sides rows are known as far as quads lie beside quads, all as long as the rows before them: a
+/// (n, m), (0, m) and back. Beyond its sides rows are known as far as quads lie next to quads, all as long as the rows before them: a
 /// rectangle of rows.
 class QuadRows {
 public:
@@ -46,7 +46,7 @@ private:
 std::vector<Index> row_beyond(const Connectivity& around, const std::vector<Index>& row);
 
 /// Of a rim in the direction of new faces: three faces meet at four of its vertices alone, its corners, opposite sides have as many
-/// edges, and rows of quads lie beside one of them at least. None where that is not so.
+/// edges, and rows of quads lie next to one of them at least. None where that is not so.
 std::optional<QuadRows> quad_rows(const Connectivity& around, const std::vector<Index>& rim);
 
 }  // namespace tripatch

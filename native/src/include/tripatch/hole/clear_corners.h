@@ -7,12 +7,12 @@
 
 namespace tripatch {
 
-/// Places in the rim, in rim order, where it turns at single vertices by so much more than beside them that what lies between is a
+/// Places in the rim, in rim order, where it turns at single vertices by so much more than next to them that what lies between is a
 /// smooth side each: two to twelve of them, or none where it is not so. Where the mesh meets any of them at an angle the rim alone tells.
 /// rim: in the direction of new faces.
 std::vector<Index> clear_corners(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
 
-/// Whether the rim is smooth all around: at no vertex it turns by much more than beside it, or back.
+/// Whether the rim is smooth all around: at no vertex it turns by much more than next to it, or back.
 bool is_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
 
 /// Places of the corners between smooth sides: four or more clear ones, else three as detect_corners finds them, else none.

@@ -11,7 +11,7 @@
 
 namespace tripatch {
 
-/// For each side between two corners (places in the rim, in rim order; two or more) the angle, degrees, at which the faces beside it
+/// For each side between two corners (places in the rim, in rim order; two or more) the angle, degrees, at which the faces next to it
 /// meet the hole, 0 where a smooth fill may continue them. At a corner a smooth fill's tangent plane is that of the rim's own tangents,
 /// and of every side that it continues: a side whose faces lie in another plane at both of its corners is sharp. What coarse sides leave
 /// open counts for smooth: a side of one edge is sharp between three or more others of one edge where all of them stand upright, sides of
@@ -30,10 +30,10 @@ struct SideTerms {
 };
 SideTerms terms_of_sides(const BySide<SideContinuity>& given, std::vector<double>& angles);
 
-/// What a user is told of them, a warning a side, or one of all.
+/// What a user reads of them, a warning a side, or one of all.
 void tell_sharp(const std::vector<double>& angles, Messages& warnings);
 
-/// The faces that a fill does not continue, sorted: all but those that smooth edges connect with the faces beside the sides that are
+/// The faces that a fill does not continue, sorted: all but those that smooth edges connect with the faces next to the sides that are
 /// not sharp, as far as those beyond the sharp ones.
 std::vector<Index> not_continued(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                                  std::span<const Index> places, const std::vector<double>& angles);

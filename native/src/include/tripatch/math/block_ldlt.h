@@ -29,7 +29,7 @@ public:
   Eigen::VectorXd solve(Eigen::VectorXd x) const;
 
 private:
-  std::vector<int> row_start_, columns_;  // of the blocks beside the diagonal, by row
+  std::vector<int> row_start_, columns_;  // of the blocks next to the diagonal, by row
   std::vector<double> own_, beside_;      // diagonal blocks, and those
   std::vector<int> start_, rows_;         // of the factor, by column
   std::vector<int> fill_start_, fill_;    // its columns by row, each before those that it changes

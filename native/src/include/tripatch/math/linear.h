@@ -34,7 +34,7 @@ Eigen::MatrixXd solve_symmetric(const MatrixRef& a, const MatrixRef& b);
 /// matrix is not positive definite.
 bool factor_cholesky(Eigen::MatrixXd& a);
 
-/// q' a q, of which the diagonal and what lies beside it is not zero, for a symmetric a (n, n), n from 1 on, of which the lower triangle
+/// q' a q, of which the diagonal and what lies next to it is not zero, for a symmetric a (n, n), n from 1 on, of which the lower triangle
 /// is read and overwritten; b (n, k) becomes q' b. q is orthonormal.
 struct Tridiagonal {
   Eigen::VectorXd diagonal, beside;

@@ -9,7 +9,7 @@
 
 namespace tripatch {
 
-/// The exponent of a kernel of order m, twice which is a whole number; the degree of the polynomials that are free beside it, and how many.
+/// The exponent of a kernel of order m, twice which is a whole number; the degree of the polynomials that are free next to it, and how many.
 int polyharmonic_exponent(double order);
 /// What the power of the distance, with the logarithm of its square where the exponent is even, is taken times: then it is definite among
 /// contrasts.

@@ -1,5 +1,5 @@
 // Integrals over the triangle. All carry the corner weight w(b) = (27/8) (1 - b0)(1 - b1)(1 - b2): the blends are homogeneous of low
-// degree beside a corner, where third-order energies without a weight are infinite.
+// degree next to a corner, where third-order energies without a weight are infinite.
 #pragma once
 
 #include <vector>

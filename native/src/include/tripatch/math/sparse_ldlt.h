@@ -8,7 +8,7 @@ namespace tripatch {
 
 class SparseLdlt : public Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> {
 public:
-  /// A matrix of the pattern that was analyzed. Thousands of unknowns with hundreds beside each take seconds: it looks up at every row.
+  /// A matrix of the pattern that was analyzed. Thousands of unknowns with hundreds next to each take seconds: it looks up at every row.
   void factorize(const Eigen::SparseMatrix<double>& matrix);
 
 private:

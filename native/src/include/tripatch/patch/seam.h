@@ -1,4 +1,4 @@
-// Where seams are measured: all along a side, but beside a corner whose two sides have different planes no patch can have both.
+// Where seams are measured: all along a side, but next to a corner whose two sides have different planes no patch can have both.
 #pragma once
 
 #include "tripatch/patch/surface.h"
@@ -6,7 +6,7 @@
 namespace tripatch {
 
 inline constexpr double same_plane = 1e-6;     ///< degrees between the planes of two sides up to which a corner has one
-inline constexpr double beside_corner = 0.01;  ///< of a side: what is left out beside a corner that has two
+inline constexpr double beside_corner = 0.01;  ///< of a side: what is left out next to a corner that has two
 
 /// How a patch meets a side: angles between its normals and the side's where that has some, in degrees, and the largest distance.
 struct SeamOfSide {

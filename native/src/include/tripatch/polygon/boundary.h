@@ -29,8 +29,8 @@ struct PolygonBoundary {
 struct PolygonRibbonOptions {
   std::vector<double> bulge = {};  ///< by side, > 0; empty: 1
   std::vector<bool> tangent = {};  ///< by side, false: position only; empty: all true
-  /// Sides hook: they turn within a small part of their length beside a corner, as edges of CAD programs do where fillets of three radii
-  /// meet. Then the derivative across them turns evenly, and what they twist by in the hook is kept beside the corner.
+  /// Sides hook: they turn within a small part of their length next to a corner, as edges of CAD programs do where fillets of three radii
+  /// meet. Then the derivative across them turns evenly, and what they twist by in the hook is kept next to the corner.
   bool past_hooks = false;
 };
 

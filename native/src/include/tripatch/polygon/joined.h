@@ -1,4 +1,4 @@
-// One side made of several pieces: edges of surfaces, borders of meshes, that go on from one to the next.
+// One side made of several pieces: edges of surfaces, borders of meshes, that continue from one to the next.
 #pragma once
 
 #include <vector>
@@ -26,7 +26,7 @@ JoinedSide joined(const SideList& pieces, const std::vector<std::vector<double>>
 constexpr Index smooth_pieces = 8;
 bool is_kinked(const Side& side);
 
-/// The sides of one patch, all by arc length where one of them changes its speed quickly, as edges of CAD programs do where faces beside
+/// The sides of one patch, all by arc length where one of them changes its speed quickly, as edges of CAD programs do where faces next to
 /// them end: what a side does along it the patch does far into the inside. Else as they are.
 SideList evenly_run(SideList sides);
 

@@ -18,7 +18,7 @@ double quadrics_count(double ratio);
 /// of_revolution), with a tangent plane and free slopes; none where descent finds nothing that does not cross its axis. energy:
 /// automatic or minimum_variation. curvature_jump: of FairingOptions.
 ///
-/// minimum_variation alone leaves open how far a tube goes on before it closes, and sees ever less in a funnel's cap the larger that is:
+/// minimum_variation alone leaves open how far a tube continues before it closes, and sees ever less in a funnel's cap the larger that is:
 /// the logarithm of the first derivatives' energy is added to its own, so that there is one cap for each cone, and what has no variation,
 /// as spheres have not, stays what it is. For the same reason quadrics count only where the surroundings' meridian bends as that of a
 /// quadric with a blunt end: a cylinder's and a cone's are those of half-ellipsoids of any length, and of a tip.

@@ -30,7 +30,7 @@ private:
   SurfacePtr surface_;
 };
 
-/// As VertexSafeSurface, over a polygon: where side weights are 0/0 and lose digits (beside corners), derivatives of order m are those a
+/// As VertexSafeSurface, over a polygon: where side weights are 0/0 and lose digits (next to corners), derivatives of order m are those a
 /// little farther off on the same ray. Derived: `template <int N> JetPoint<N> at(const Jet<N>& u, const Jet<N>& v) const`, and
 /// `Vec3 corner(int i) const`.
 template <class Derived>

@@ -14,7 +14,7 @@ namespace tripatch {
 /// for that to come out, what their angles leave, as with all other faces.
 enum class WantedQuads { by_number, by_angle };
 
-/// For each vertex of a rim, counterclockwise: 1 where it turns left, 2 where it runs on, 3 where it turns right. What is rounded at one vertex
+/// For each vertex of a rim, counterclockwise: 1 where it turns left, 2 where it continues, 3 where it turns right. What is rounded at one vertex
 /// is made up for at the next. Vertices that `around` does not know lie on edges.
 std::vector<int> wanted_quads(const Points& vertices, const Connectivity& around, const std::vector<Index>& rim,
                               WantedQuads which = WantedQuads::by_number);

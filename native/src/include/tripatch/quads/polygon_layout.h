@@ -12,7 +12,7 @@ namespace tripatch {
 
 struct RimCorner {
   Index place = 0;  ///< in the rim
-  /// How many quads are wanted there, where that is known of the faces around (4 - theirs): 1 at a corner, 2 where the rim runs on.
+  /// How many quads are wanted there, where that is known of the faces around (4 - theirs): 1 at a corner, 2 where the rim continues.
   /// 0: it follows from the angle.
   int quads = 0;
 };

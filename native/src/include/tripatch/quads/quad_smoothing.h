@@ -38,7 +38,7 @@ void smooth_quads(PlaneLayout& layout, int sweeps, int sharpening = 0, const Sur
 
 /// Smooths a layout a few sweeps in its plane, as far as layouts are that are tried.
 void smooth_trial(PlaneLayout& layout);
-/// The same of one that is tried. Returns what it is worth beside others: its least scaled Jacobian, and a share of the mean, less what its
+/// The same of one that is tried. Returns what it is worth next to others: its least scaled Jacobian, and a share of the mean, less what its
 /// irregular vertices cost.
 double score_of_trial(PlaneLayout& layout, double irregular);
 

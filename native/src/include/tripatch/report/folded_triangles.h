@@ -27,8 +27,8 @@ std::vector<FaceBeyond> faces_beyond(const Mesh& mesh, const Connectivity& aroun
 std::vector<FaceBeyond> faces_beyond_rows(const Mesh& mesh, const Connectivity& around,
                                           const std::vector<std::vector<Index>>& loops);
 
-/// Of faces beyond, those that are turned over: folded over one beside, and more than 100 degrees from what the other faces at their
-/// vertices are together. A fill that goes on as those do folds over them. Other faces that face all ways have no say.
+/// Of faces beyond, those that are turned over: folded over one next to, and more than 100 degrees from what the other faces at their
+/// vertices are together. A fill that continues as those do folds over them. Other faces that face all ways have no say.
 std::vector<char> turned_over(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops);
 
 /// Whether the faces at the vertices of one bound a body that is convex, no two of them in a plane: then it is no fold that they make, they

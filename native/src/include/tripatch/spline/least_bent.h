@@ -13,7 +13,7 @@ namespace tripatch {
 
 /// Positions of the rows first .. first + count - 1 of points (n x 3) at which the integral of the squared gradient of the coordinates
 /// (order 1), of their squared Laplacian (2) or of its squared gradient (3) is least, by cotangents and areas of the triangles as they
-/// lie (Pinkall and Polthier 1993). All other rows stay. triangles: whose bending counts; around: those that they are to go on from in one
+/// lie (Pinkall and Polthier 1993). All other rows stay. triangles: whose bending counts; around: those that they are to continue from in one
 /// plane across the edges where they meet, as a clamped plate does, and whose Laplacian the one at these edges is to vary little from.
 /// The triangles around every vertex that so many edges as the order, less one, lead to from one of these rows must be given; more do not
 /// matter. Nothing where no numbers come of it.
@@ -50,7 +50,7 @@ struct SecondModel {
 
 /// Of a fill's points (the disc's rim first, then the new vertices) and triangles: positions of the new vertices by one or two orders, all
 /// of the same measures. The disc has as many rings as the highest order less one, where there are so many. keep_planes: of the disc's
-/// triangles beside the rim, as a clamped plate does; else these bend with the fill's.
+/// triangles next to the rim, as a clamped plate does; else these bend with the fill's.
 class SecondModels {
 public:
   SecondModels(const Points& points, const std::vector<std::array<Index, 3>>& triangles, const Disc& disc,

@@ -55,7 +55,7 @@ struct PlaneFill {
 };
 
 /// Edges folded by more than 120 degrees in the rim's triangulation without new vertices, those of the rim over the faces beyond too, and
-/// the faces beyond that are turned over: a fill that goes on as those around them do folds there.
+/// the faces beyond that are turned over: a fill that continues as those around them do folds there.
 Index folds_of_rim(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops);
 
 /// loops: border loops in the direction of new faces, the outer one first, then islands. Choices that fold more than the rim does,

@@ -1,4 +1,4 @@
-// Folds of a few triangles beside a noisy rim, where the surface passes the rim's vertices at the noise's distance.
+// Folds of a few triangles next to a noisy rim, where the surface passes the rim's vertices at the noise's distance.
 #pragma once
 
 #include <array>
