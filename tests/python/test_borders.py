@@ -196,7 +196,7 @@ def test_a_hole_beside_t_junctions_is_filled_as_one_of_the_joined_mesh():
     assert open_edges(made, all_faces, []) == 0
 
 
-@pytest.mark.parametrize("suffix", [".stl", ".obj"])
+@pytest.mark.parametrize("suffix", [".stl", ".obj", ".glb", ".3mf"])
 def test_a_fill_in_a_joined_file_leaves_no_gap(suffix, tmp_path, capsys):
     vertices, faces = box(2e-5)
     at = vertices[faces].mean(axis=1)
@@ -209,7 +209,7 @@ def test_a_fill_in_a_joined_file_leaves_no_gap(suffix, tmp_path, capsys):
 
 
 @pytest.mark.parametrize("noise", [0, 2e-5])
-@pytest.mark.parametrize("suffix", [".stl", ".obj", ".ply", ".off"])
+@pytest.mark.parametrize("suffix", [".stl", ".obj", ".ply", ".off", ".glb", ".3mf"])
 def test_joined_files_have_no_slits(noise, suffix, tmp_path, capsys):
     tripatch.write(tmp_path / f"in{suffix}", box(noise))
     if suffix == ".stl":  # as text
@@ -227,14 +227,6 @@ def test_joined_files_have_no_slits(noise, suffix, tmp_path, capsys):
         mesh = tripatch.read(out)
         assert open_edges(mesh.vertices, mesh.faces, []) == 0
         assert suffix != ".stl" or least_height(mesh.vertices, mesh.faces) > 1
-
-
-def test_a_format_that_cannot_be_joined_is_said_before_the_work(tmp_path, capsys, monkeypatch):
-    vertices, faces = box(2e-5)
-    tripatch.write(tmp_path / "in.glb", (vertices, faces[4:]))
-    monkeypatch.setattr(tripatch.filling, "fill_all", lambda *_, **__: pytest.fail("it was filled before"))
-    code, _, err = run(capsys, "fill", tmp_path / "in.glb", tmp_path / "out.glb", "--all", "--join", 1e-3)
-    assert code == 2 and "write another format, or leave out --faces cage and --join" in err
 
 
 def test_joining_an_stl_file_is_undone_by_its_report(tmp_path, capsys):

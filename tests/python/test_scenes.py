@@ -504,9 +504,3 @@ def test_batch_fills_scenes_in_folders(tmp_path, capsys):
         made(tmp_path / "in" / f"a{suffix}")
     assert run(capsys, "batch", tmp_path / "in", "-o", tmp_path / "out", "--workers", "1")[0] == 0
     assert holes(tmp_path / "out" / "a.glb") == [] and holes(tmp_path / "out" / "a.3mf") == []
-
-
-def test_cages_are_refused_since_vertices_of_scenes_are_not_moved(tmp_path, capsys):
-    path = with_seams(tmp_path / "in.glb")
-    code, _, err = run(capsys, "fill", path, tmp_path / "out.glb", "--all", "--faces", "cage", "--cage-rim", "move")
-    assert code == 2 and "another format" in err and not (tmp_path / "out.glb").exists()

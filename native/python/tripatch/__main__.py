@@ -203,6 +203,16 @@ def _left_open(args: argparse.Namespace, left: Sequence[Any]) -> str:
     return words.left_open([len(loop) for loop in left], "use --outer" if args.all else "use --all --outer")
 
 
+def _out(args: argparse.Namespace, mesh: files.MeshFile, joined: borders.Joined | None = None) -> files.MeshFile:
+    """The mesh in the format of OUT, before fills are added."""
+    same_format = args.out.suffix.lower() == args.input.suffix.lower()
+    out = (mesh if same_format else files.converted(mesh, args.out.suffix, joined)).marked()
+    out = out.with_deviation() if args.deviation else out
+    if joined and same_format:
+        out.join(joined)
+    return out
+
+
 def _write(args: argparse.Namespace, out: files.MeshFile) -> None:
     out.write(args.out)
     if args.out.suffix.lower() != args.input.suffix.lower() and not args.quiet:
@@ -230,11 +240,7 @@ def _fill(args: argparse.Namespace) -> int:
     if args.report:
         files.check_folder(args.report)
     mesh = files.read(args.input)
-    same_format = args.out.suffix.lower() == args.input.suffix.lower()
-    out = mesh if same_format else files.converted(mesh, args.out.suffix)
-    out = out.marked()
-    if args.deviation:
-        out = out.with_deviation()
+    out = _out(args, mesh)
 
     holes: list[tuple[Any, ...]] = []
     found, left = None, list[Any]()
@@ -242,7 +248,7 @@ def _fill(args: argparse.Namespace) -> int:
         found = borders.find(mesh.vertices, mesh.faces, **_gathering(args), **choosing)
         left = found.outer_borders
         if found.joined:
-            out.join(found.joined)
+            out = _out(args, mesh, found.joined)
         if not found.rims and not (choosing.keys() - {"outer"} and tripatch.choose_holes(mesh.vertices, mesh.faces)):
             return _copied(args, out, left, found.joined)
     if found and (args.all or (len(found.rims) == 1 and not found.is_plain)):

@@ -17,7 +17,7 @@ class Joined:
     """What joining the borders of a mesh changes in it.
 
     Attributes:
-        moved: vertices (k,) and the places (k, 3) that they go to.
+        moved: vertices (k,) and the places (k, 3) that they go to; onto: those that are there.
         splits: (face, corner, vertex, t) of vertices that lie within edges: the face gets the vertex after this corner, t of the
             way to the next; by face, corner and t.
     """
@@ -25,7 +25,7 @@ class Joined:
     def __init__(self, vertices: Array, stands: Array, splits: list[tuple[int, int, int, float]]) -> None:
         """stands: for each vertex the one whose place it takes."""
         moved = np.flatnonzero((vertices[stands] != vertices).any(axis=1))
-        self.moved, self.splits = (moved, vertices[stands[moved]]), splits
+        self.moved, self.onto, self.splits = (moved, vertices[stands[moved]]), stands[moved], splits
 
     def as_dict(self) -> dict[str, Any]:
         """What is changed as plain values, ready for JSON: vertices that move, and vertices that faces get, as [face, vertex]."""

@@ -7,9 +7,10 @@ through meshio, which keeps points, cells, and the data of both, but not what it
 POLYDATA.
 
 A vertex that a fill moves keeps its line or row but for the three numbers. A face whose edge a fill splits keeps all that the
-file says of it, texture coordinates by corner are interpolated; in OBJ it goes to the end, after its new vertex. A new vertex
-takes what the file says of a vertex beyond its position and normal (colors, say) from the nearest rim vertex, a new face what
-the file says of a face (material, group, color) from the faces around the rim.
+file says of it, texture coordinates by corner are interpolated; in OBJ it goes to the end, after its new vertex. In glTF what so
+changes of a primitive is written behind the old data, which stays; 3MF triangles and USD faces share the joined vertex. A new
+vertex takes what the file says of a vertex beyond its position and normal (colors, say) from the nearest rim vertex, a new face
+what the file says of a face (material, group, color) from the faces around the rim.
 """
 
 from __future__ import annotations
@@ -113,10 +114,15 @@ def check_folder(path: Path) -> None:
         raise FileError(f"{path} cannot be written: the folder {path.parent} does not exist")
 
 
-def converted(mesh: MeshFile, suffix: str) -> MeshFile:
-    """The same vertices and faces in the format of another suffix; all else stays behind."""
+def converted(mesh: MeshFile, suffix: str, joined: Any = None) -> MeshFile:
+    """The same vertices and faces in the format of another suffix; all else stays behind. joined: as `MeshFile.join` takes it."""
+    vertices, faces = mesh.vertices, mesh.faces
+    if joined:
+        vertices = vertices.copy()
+        vertices[joined.moved[0]] = joined.moved[1]
+        faces = _arrays.Rows(*joined.faces(faces.offsets, faces.corners))
     own = _OWN.get(suffix.lower())
     other = _SCENES.get(suffix.lower(), MeshioFile)
-    made: MeshFile = own.of_mesh(mesh.vertices, mesh.faces) if own else other.of_mesh(mesh.vertices, mesh.faces, suffix)
-    made.suffix = suffix
+    made: MeshFile = own.of_mesh(vertices, faces) if own else other.of_mesh(vertices, faces, suffix)
+    made.suffix, made._joined = suffix, joined
     return made

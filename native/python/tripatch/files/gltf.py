@@ -22,18 +22,16 @@ import numpy as np
 from .. import quality
 from .._types import Array
 from . import evidence
+from .gltf_buffers import BIN, JSON, KINDS, WIDTHS, Writer, as_uri, dumped, glb
 from .mesh_file import MeshFile
 from .scene import Addition, Part, SceneFile
 from .writing import FileError
 
-_JSON, _BIN = 0x4E4F534A, 0x004E4942
-_KINDS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-_CODES = {np.dtype(kind): code for code, kind in _KINDS.items()}
-_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
 #: Of the primitive whose material new faces have: what it says of the primitive as a whole.
 _KEPT_EXTENSIONS = ("KHR_materials_variants",)
+_OF_JOINTS = ("JOINTS_", "WEIGHTS_")  # what names joints, which numbers between two would not
 _ORIGINAL = "tripatch_original"
 
 
@@ -103,9 +101,9 @@ class GltfFile(SceneFile):
         said |= {"nodes": [{"mesh": 0}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}]}
         said |= {"buffers": [{"byteLength": len(data)}], "bufferViews": views, "accessors": accessors}
         if suffix.lower() == ".gltf":
-            said["buffers"][0]["uri"] = _as_uri(data)  # type: ignore[index]
-            return cls(_dumped(said, b"{\n"), None, (vertices, faces))
-        return cls(_glb(_dumped(said, b"{"), data, b""), None, (vertices, faces))
+            said["buffers"][0]["uri"] = as_uri(data)  # type: ignore[index]
+            return cls(dumped(said, b"{\n"), None, (vertices, triangles))
+        return cls(glb(dumped(said, b"{"), data, b""), None, (vertices, triangles))
 
     def _chunks(self) -> bytes:
         """The JSON of a GLB; its buffer is kept, and what follows."""
@@ -113,13 +111,13 @@ class GltfFile(SceneFile):
         if len(data) < 20 or struct.unpack_from("<I", data, 4)[0] != 2:
             raise FileError("The GLB file ends early, or is not of version 2")
         length, kind = struct.unpack_from("<II", data, 12)
-        if kind != _JSON or 20 + length > len(data):
+        if kind != JSON or 20 + length > len(data):
             raise FileError("The GLB file ends early, or does not start with its JSON")
         end = 20 + length
         self._rest = data[end:]
         if len(self._rest) >= 8:
             size, kind = struct.unpack_from("<II", self._rest)
-            if kind == _BIN:
+            if kind == BIN:
                 if 8 + size > len(self._rest):
                     raise FileError(f"The GLB file ends early: it announces {size} bytes of data and holds {len(self._rest) - 8}")
                 self._bin, self._rest = self._rest[8 : 8 + size], self._rest[8 + size :]
@@ -195,7 +193,7 @@ class GltfFile(SceneFile):
     def _accessor(self, k: int) -> Array:
         """(count, width) as it is stored."""
         said = self._json["accessors"][k]
-        kind, width = np.dtype(_KINDS[said["componentType"]]), _WIDTHS[said["type"]]
+        kind, width = np.dtype(KINDS[said["componentType"]]), WIDTHS[said["type"]]
         shape = (int(said["count"]), width)
         values = np.zeros(shape, kind)
         if "bufferView" in said and shape[0]:
@@ -203,7 +201,7 @@ class GltfFile(SceneFile):
         if "sparse" in said:
             sparse, values = said["sparse"], values.copy()
             at, of = sparse["indices"], sparse["values"]
-            kind_at = np.dtype(_KINDS[at["componentType"]])
+            kind_at = np.dtype(KINDS[at["componentType"]])
             rows = self._viewed(at["bufferView"], at.get("byteOffset", 0), (sparse["count"], 1), kind_at)[:, 0]
             values[rows] = self._viewed(of["bufferView"], of.get("byteOffset", 0), (sparse["count"], width), kind)
         return values
@@ -226,9 +224,10 @@ class GltfFile(SceneFile):
     def _primitive_of(self, f: int) -> tuple[int, int]:
         """Of a face its part and primitive."""
         part = int(self._part_of_face[f])
-        return part, self._primitive_at(part, self._own_face(f)[0])
+        return part, self._primitive_at(part, self._file_face(f)[0])
 
     def _primitive_at(self, part: int, own: int) -> int:
+        own = self._parts[part].between.get(own, (own,))[0]
         return max((p for p, base in self._bases[part].items() if base <= own), key=lambda p: self._bases[part][p])
 
     def _look(self, f: int) -> Hashable:
@@ -246,8 +245,10 @@ class GltfFile(SceneFile):
     def _value(self, part: int, own: int, name: str, target: int = -1) -> Array | None:
         """Of an own vertex of a part."""
         primitive = self._primitive_at(part, own)
-        values = self._attribute(part, primitive, name, target)
-        return None if values is None else values[own - self._bases[part][primitive]]
+        values, base = self._attribute(part, primitive, name, target), self._bases[part][primitive]
+        if values is None:
+            return None
+        return self._parts[part].value(own, lambda v: np.asarray(values[v - base]), not name.startswith(_OF_JOINTS))
 
     def _by_corner(self, f: int, name: str) -> Array | None:
         part = int(self._part_of_face[f])
@@ -313,11 +314,11 @@ class GltfFile(SceneFile):
 
     def _continued(self, new: Addition, vertices: list[int], name: str, accessor: int, target: int = -1) -> Array:
         """An attribute of rows: at the rim as it is there, inside blended; what names joints is that of a rim vertex nearby."""
-        like, n, width = new.models[0], new.n, _WIDTHS[self._json["accessors"][accessor]["type"]]
+        like, n, width = new.models[0], new.n, WIDTHS[self._json["accessors"][accessor]["type"]]
         old = {*map(int, new.fill.rim), *(v for v in vertices if v < n)}
         rim = {v: self._at_rim(v, name, target, like, width) for v in old}
         near = new.continued.near
-        if name.startswith(("JOINTS_", "WEIGHTS_")) or not len(new.fill.rim):
+        if name.startswith(_OF_JOINTS) or not len(new.fill.rim):
             return np.array([rim[v] if v < n else rim[int(near[v - n])] for v in vertices])
         inside = new.continued.at_vertices(lambda at: np.array([rim[int(v)] for v in at]))
         return np.array([rim[v] if v < n else inside[v - n] for v in vertices])
@@ -349,20 +350,21 @@ class GltfFile(SceneFile):
         if self._data[:4] != b"glTF":
             return evidence.original([text], before["sha256"])
         data = None if before["bin"] is None or self._bin is None else self._bin[: before["bin"]]
-        return evidence.original([_glb(text, data, self._rest)], before["sha256"])
+        return evidence.original([glb(text, data, self._rest)], before["sha256"])
 
     def _save(self, path: Path) -> None:
         said = copy.deepcopy(self._json)
         moved = self._repoint(said, path.parent.absolute())
-        if not self._groups:
+        if not self._groups and not any(part.moved or part.between for part in self._parts):
             path.write_bytes(self._as_file(said, self._bin) if moved else self._data)
             return
         in_bin = self._bin is not None and "uri" not in said["buffers"][0]
-        out = _Writer(said, (self._bin or b"") if in_bin else b"", 0 if in_bin else len(said.setdefault("buffers", [])))
+        out = Writer(said, (self._bin or b"") if in_bin else b"", 0 if in_bin else len(said.setdefault("buffers", [])))
         before = None
-        if self._marks and not any(_ORIGINAL in extras for _, extras in self._extras()):
+        if self._marks and self._groups and not any(_ORIGINAL in extras for _, extras in self._extras()):
             before = {"bin": None if self._bin is None else len(self._bin), "sha256": evidence.sha256(self._data)}
             before["bufferView"] = out.view(zlib.compress(self._text, 9))
+        self._rewrite(out, said)
         for (part, primitive), group in self._groups.items():
             primitives = said["meshes"][self._meshes[part]]["primitives"]
             primitives.append(self._primitive(out, primitives[primitive], group))
@@ -370,12 +372,46 @@ class GltfFile(SceneFile):
                 primitives[-1]["extras"][_ORIGINAL], before = before, None
         path.write_bytes(self._as_file(said, out.finish() if in_bin else out.as_uri(self._bin)))
 
-    def _primitive(self, out: _Writer, like: dict[str, Any], group: _Rows) -> dict[str, Any]:
+    def _rewrite(self, out: Writer, said: dict[str, Any]) -> None:
+        """Of primitives that have changed: positions, and what goes with vertices within edges, are written behind all else."""
+        changed: dict[tuple[int, int], list[int]] = {}  # own vertices within edges
+        for n, part in enumerate(self._parts):
+            for own in part.moved:
+                changed.setdefault((n, self._primitive_at(n, own)), [])
+            for own in part.between:
+                changed.setdefault((n, self._primitive_at(n, own)), []).append(own)
+        for (n, p), added in changed.items():
+            part, primitive = self._parts[n], said["meshes"][self._meshes[n]]["primitives"][p]
+            count, base = said["accessors"][primitive["attributes"]["POSITION"]]["count"], self._bases[n][p]
+            for target, attributes in enumerate([primitive["attributes"], *primitive.get("targets", ())], -1):
+                for name in attributes:
+                    at_first = name == "POSITION" and target < 0
+                    if at_first or added:
+                        old = np.asarray(part.points[base : base + count] if at_first else self._attribute(n, p, name, target))
+                        new: list[Any] = [part.point(v) if at_first else self._value(n, v, name, target) for v in added]
+                        rows = np.reshape(new, (len(new), old.shape[1]))
+                        attributes[name] = out.attribute(name, np.concatenate([old, rows]))
+            if added:
+                primitive["indices"] = out.indices(self._triangles_by_now(n, p, added, count), count + len(added))
+                primitive.pop("mode", None)
+
+    def _triangles_by_now(self, n: int, p: int, added: list[int], count: int) -> Array:
+        """Of a primitive, by its own vertices; added: its vertices within edges, which follow the others."""
+        base, mine = self._bases[n][p], np.flatnonzero(self._primitives[n] == p)
+        number = dict(zip(added, range(count, count + len(added)), strict=True))
+        triangles, more = self._parts[n].corners.reshape(-1, 3)[mine] - base, []
+        for f in self._corners:
+            if self._primitive_of(f) == (n, p):
+                face = np.array([number.get(v, v - base) for v in self._own_face(f)])
+                triangles[self._number_in_part[f] - mine[0]], *rest = face[self._cut(f)]
+                more += rest
+        return np.concatenate([triangles, np.reshape(more, (-1, 3)).astype(np.int64)])
+
+    def _primitive(self, out: Writer, like: dict[str, Any], group: _Rows) -> dict[str, Any]:
         made: dict[str, Any] = {"attributes": {}}
         for name, values in group.attributes.items():
             made["attributes"][name] = out.attribute(name, np.concatenate(values))
-        small = group.count < 65535
-        made["indices"] = out.accessor(np.array(group.triangles, "<u2" if small else "<u4").reshape(-1, 1), 34963)
+        made["indices"] = out.indices(group.triangles, group.count)
         if "material" in like:
             made["material"] = like["material"]
         if group.targets:
@@ -390,8 +426,8 @@ class GltfFile(SceneFile):
         return made
 
     def _as_file(self, said: dict[str, Any], data: bytes | None) -> bytes:
-        text = _dumped(said, self._text)
-        return _glb(text, data, self._rest) if self._data[:4] == b"glTF" else text
+        text = dumped(said, self._text)
+        return glb(text, data, self._rest) if self._data[:4] == b"glTF" else text
 
     def _repoint(self, said: dict[str, Any], folder: Path) -> bool:
         """Has the file name its buffers and images from another folder; whether one is named so."""
@@ -403,68 +439,6 @@ class GltfFile(SceneFile):
                 each["uri"] = urllib.parse.quote(Path(path).as_posix())
                 moved = True
         return moved
-
-
-class _Writer:
-    """Adds data to a buffer, and what names it to the JSON."""
-
-    def __init__(self, said: dict[str, Any], data: bytes, buffer: int) -> None:
-        self._said, self._buffer = said, buffer
-        self._pieces, self._length = [data], len(data)
-
-    def view(self, data: bytes, target: int | None = None) -> int:
-        pad = bytes(-self._length % 4)
-        views = self._said.setdefault("bufferViews", [])
-        views.append({"buffer": self._buffer, "byteOffset": self._length + len(pad), "byteLength": len(data)})
-        if target:
-            views[-1]["target"] = target
-        self._pieces += [pad, data]
-        self._length += len(pad) + len(data)
-        return len(views) - 1
-
-    def accessor(self, values: Array, target: int, bounds: bool = False) -> int:
-        accessors = self._said.setdefault("accessors", [])
-        kind = next(name for name, width in _WIDTHS.items() if width == values.shape[1])
-        made: dict[str, Any] = {"bufferView": self.view(values.tobytes(), target), "componentType": _CODES[values.dtype]}
-        made |= {"count": len(values), "type": kind}
-        if bounds:
-            made |= {"min": values.min(axis=0).tolist(), "max": values.max(axis=0).tolist()}
-        accessors.append(made)
-        return len(accessors) - 1
-
-    def attribute(self, name: str, values: Array) -> int:
-        return self.accessor(values.astype("<u2" if name.startswith("JOINTS_") else "<f4"), 34962, name == "POSITION")
-
-    def finish(self) -> bytes:
-        """The whole buffer, which its length in the JSON then fits."""
-        data = b"".join(self._pieces)
-        data += bytes(-len(data) % 4)
-        self._said["buffers"][self._buffer]["byteLength"] = len(data)
-        return data
-
-    def as_uri(self, rest: bytes | None) -> bytes | None:
-        """Puts the buffer into the JSON; returns what the file holds next to it."""
-        data = b"".join(self._pieces)
-        self._said["buffers"].append({"byteLength": len(data), "uri": _as_uri(data)})
-        return rest
-
-
-def _as_uri(data: bytes) -> str:
-    return "data:application/octet-stream;base64," + base64.b64encode(data).decode()
-
-
-def _dumped(said: Any, like: bytes) -> bytes:
-    """JSON as text, over several lines if another one is."""
-    if b"\n" in like.strip():
-        return json.dumps(said, ensure_ascii=False, indent=2).encode() + b"\n"
-    return json.dumps(said, ensure_ascii=False, separators=(",", ":")).encode()
-
-
-def _glb(text: bytes, data: bytes | None, rest: bytes) -> bytes:
-    text += b" " * (-len(text) % 4)
-    chunk = b"" if data is None else struct.pack("<II", len(data), _BIN) + data
-    length = 12 + 8 + len(text) + len(chunk) + len(rest)
-    return struct.pack("<4sII", b"glTF", 2, length) + struct.pack("<II", len(text), _JSON) + text + chunk + rest
 
 
 def _matrix(node: dict[str, Any]) -> Array:

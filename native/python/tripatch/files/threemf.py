@@ -12,6 +12,7 @@ import json
 import re
 import zipfile
 import zlib
+from array import array
 from collections.abc import Hashable, Iterator
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,7 @@ from .writing import FileError
 _ROOT = "3D/3dmodel.model"
 _ORIGINAL = b"tripatch original "
 _NAMESPACE = "https://github.com/tripatch"  # only has to be ours
+_TAG = re.compile(rb"<(?:[^>\"']|\"[^\"]*\"|'[^']*')*>")
 _BLENDED = ("colorgroup", "texture2dgroup")
 _EMPTY = {
     "[Content_Types].xml": '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
@@ -49,6 +51,7 @@ class _Object:
     triangles: list[int] = dataclasses.field(default_factory=list)
     looks: dict[int, tuple[str, list[int]]] = dataclasses.field(default_factory=dict)  # of a triangle: property group, entries
     ends: dict[str, int] = dataclasses.field(default_factory=dict)  # bytes of the text where vertices and triangles end
+    starts: dict[str, array[int]] = dataclasses.field(default_factory=lambda: {"vertex": array("q"), "triangle": array("q")})
     look: tuple[str, list[int]] | None = None  # of triangles without their own
     components: list[tuple[str, str, Any]] = dataclasses.field(default_factory=list)
 
@@ -62,6 +65,14 @@ class _Group:
     tag: str = ""
     end: int = -1
     new: list[bytes] = dataclasses.field(default_factory=list)
+
+    def entry(self, tags: dict[str, str], values: Array, known: dict[bytes, int]) -> int:
+        """The number of a new entry. known: those that there are already, which it joins."""
+        row = _entry(tags, self.kind, values)
+        if row not in known:
+            known[row] = len(self.rows) + len(self.new)
+            self.new.append(row)
+        return known[row]
 
 
 class _Model:
@@ -84,8 +95,10 @@ class _Model:
     def _start(self, name: str, given: dict[str, str]) -> None:
         name = name.rpartition(" ")[2]
         if name == "vertex":
+            self._object.starts[name].append(self._parser.CurrentByteIndex)
             self._object.vertices += (float(given["x"]), float(given["y"]), float(given["z"]))
         elif name == "triangle":
+            self._object.starts[name].append(self._parser.CurrentByteIndex)
             if len(given) > 3:
                 self._looked(given)
             self._object.triangles += (int(given["v1"]), int(given["v2"]), int(given["v3"]))
@@ -140,7 +153,7 @@ class ThreemfFile(SceneFile):
         if not self._models:
             raise FileError("The file is no 3MF file: it holds no model")
         self._root = f"/{_ROOT}" if f"/{_ROOT}" in self._models else next(iter(self._models))
-        self._new: dict[tuple[str, str], tuple[list[bytes], list[bytes]]] = {}  # vertices and triangles of an object
+        self._new: dict[tuple[str, str], list[bytes]] = {}  # triangles of an object
         self._where: list[tuple[_Model, str]] = []
         self._said: list[dict[str, Any]] = []
         super().__init__(list(self._read()), given)
@@ -162,7 +175,7 @@ class ThreemfFile(SceneFile):
         with zipfile.ZipFile(held, "w", zipfile.ZIP_DEFLATED) as package:
             for name, text in {**_EMPTY, _ROOT: model}.items():
                 package.writestr(zipfile.ZipInfo(name), text, zipfile.ZIP_DEFLATED)
-        return cls(held.getvalue(), (vertices, faces))
+        return cls(held.getvalue(), (vertices, triangles))
 
     def _read(self) -> Iterator[Part]:
         found: dict[tuple[str, str], Array] = {}
@@ -190,14 +203,14 @@ class ThreemfFile(SceneFile):
                     each.vertices = []
 
     def _entries(self, f: int) -> tuple[str, list[int]] | None:
-        """Of a face its property group and, for each of its corners, the entry there."""
+        """Of a face its property group and, for each of its corners in the file, the entry there."""
         model, number = self._where[int(self._part_of_face[f])]
         each, k = model.objects[number], int(self._number_in_part[f])
         look = each.looks.get(k, each.look)
         if look is None:
             return None
         of = dict(zip(each.triangles[3 * k : 3 * k + 3], look[1], strict=True))
-        return look[0], [of.get(v, look[1][0]) for v in self._own_face(f)]
+        return look[0], [of.get(v, look[1][0]) for v in self._file_face(f)]
 
     def _group_of(self, f: int) -> _Group | None:
         """The colors or texture coordinates that a face has by corner."""
@@ -214,32 +227,26 @@ class ThreemfFile(SceneFile):
     def _by_corner(self, f: int) -> Array | None:
         group, entries = self._group_of(f), self._entries(f)
         try:
-            return np.array([group.rows[k] for k in entries[1]], float) if group and entries else None
+            rows = [np.array(group.rows[k], float) for k in entries[1]] if group and entries else None
         except IndexError:
             return None
+        return np.array(self._blended_corners(f, rows)) if rows else None
+
+    def _shares(self, number: int) -> bool:
+        return True  # its vertices have nothing but their places
 
     def _add(self, new: Addition) -> None:
         model, number = self._where[new.number]
-        vertices, triangles = self._new.setdefault((model.name, number), ([], []))
+        triangles = self._new.setdefault((model.name, number), [])
         each, like = model.objects[number], self._entries(new.models[0])
-        numbers: dict[int, int] = {}
-        for v in dict.fromkeys(v for face in new.faces for v in face):
-            numbers[v] = new.copy_of(v) if v < new.n else -1
-            if numbers[v] < 0:
-                numbers[v] = len(new.part.points) + len(vertices)
-                vertices.append(_vertex(model.tags["vertex"], new.place_of(v)))
+        numbers, _ = new.own_vertices()
         values, group = new.at_corners(self._by_corner), self._group_of(new.models[0])
         entries: dict[bytes, int] = {}
         first = len(each.triangles) // 3 + len(triangles)
         for k, at in new.triangles():
             look = (like[0], [like[1][0]] * 3) if like else None
             if like and group and values:
-                rows = [_entry(model.tags, group.kind, values[k][c]) for c in at]
-                for row in rows:
-                    if row not in entries:
-                        entries[row] = len(group.rows) + len(group.new)
-                        group.new.append(row)
-                look = like[0], [entries[row] for row in rows]
+                look = like[0], [group.entry(model.tags, values[k][c], entries) for c in at]
             triangles.append(_triangle(model.tags["triangle"], [numbers[new.faces[k][c]] for c in at], look))
         here = {"model": model.name, "object": number, "first_face": first}
         self._said.append({**new.said(), **here, "faces_here": len(each.triangles) // 3 + len(triangles) - first})
@@ -263,20 +270,41 @@ class ThreemfFile(SceneFile):
         """The models that have changed."""
         made = {}
         for path, model in self._models.items():
-            added: list[tuple[int, bytes]] = []
-            for number, each in model.objects.items():
-                vertices, triangles = self._new.get((model.name, number), ((), ()))
-                if triangles:
-                    added += [(each.ends["vertices"], b"".join(vertices)), (each.ends["triangles"], b"".join(triangles))]
-            added += [(group.end, b"".join(group.new)) for group in model.groups.values() if group.new]
+            groups = {k: dataclasses.replace(group, new=list(group.new)) for k, group in model.groups.items()}
+            edits: list[tuple[int, int, bytes]] = []
+            for n, (of, number) in enumerate(self._where):
+                if of is model:
+                    edits += self._edits(n, model, number, groups)
+            edits += [(group.end, group.end, b"".join(group.new)) for group in groups.values() if group.new]
             if self._marks and path == self._root and model.resources >= 0:
-                added.append((model.resources, b"".join(self._metadata(model, said) for said in self._said)))
-            if added:
-                text = model.text
-                for at, what in sorted(added, reverse=True):
-                    text = text[:at] + what + text[at:]
-                made[model.name] = text
+                said = b"".join(self._metadata(model, said) for said in self._said)
+                edits += [(model.resources, model.resources, said)] if said else []
+            if edits:
+                starts, ends, new = zip(*sorted(edits), strict=True)
+                kept = [model.text[first:end] for first, end in zip((0, *ends), (*starts, None), strict=True)]
+                made[model.name] = b"".join(each for pair in zip(kept, (*new, b""), strict=True) for each in pair)
         return made
+
+    def _edits(self, n: int, model: _Model, number: str, groups: dict[str, _Group]) -> Iterator[tuple[int, int, bytes]]:
+        """Of an object what changes in the text: start, end, and what is there then."""
+        part, each = self._parts[n], model.objects[number]
+        for v in part.moved:
+            place = dict(zip("xyz", map(writing.number, part.point(v)), strict=True))
+            yield _edited(model.text, each.starts["vertex"][v], place)
+        triangles, known = list(self._new.get((model.name, number), ())), dict[bytes, int]()
+        for f in (f for f in self._corners if self._part_of_face[f] == n):
+            face, entries, values = self._corners_of(f), self._entries(f), self._by_corner(f)
+            pid, looks = (entries[0], [entries[1][int(at)] for _, at in face]) if entries else ("", [])
+            if values is not None:  # those within edges have colors or texture coordinates of their own
+                within = [c for c, (_, at) in enumerate(face) if at % 1]
+                looks = [groups[pid].entry(model.tags, values[c], known) if c in within else p for c, p in enumerate(looks)]
+            made = [([face[c][0] for c in at], [looks[c] for c in at] if looks else []) for at in self._cut(f).tolist()]
+            said = {f"{name}{k}": b"%d" % x for name, row in zip("vp", made[0], strict=True) for k, x in enumerate(row, 1)}
+            yield _edited(model.text, each.starts["triangle"][int(self._number_in_part[f])], said)
+            triangles += [_triangle(model.tags["triangle"], row, (pid, look) if look else None) for row, look in made[1:]]
+        for name, rows in (("vertices", [_vertex(model.tags["vertex"], p) for p in part.added]), ("triangles", triangles)):
+            if rows:
+                yield each.ends[name], each.ends[name], b"".join(rows)
 
     def _metadata(self, model: _Model, said: dict[str, Any]) -> bytes:
         tag = model.tags["resources"].rpartition("resources")[0] + "metadata"
@@ -285,13 +313,14 @@ class ThreemfFile(SceneFile):
         return f'<{tag} xmlns:tripatch={quoteattr(_NAMESPACE)} name={name} type="xs:string">{text}</{tag}>\n'.encode()
 
     def _save(self, path: Path) -> None:
-        if not self._new:
+        texts = self._texts()
+        if not texts:
             path.write_bytes(self._data)
             return
         held = io.BytesIO(self._data)
         with zipfile.ZipFile(held, "a") as package:
             package.start_dir = len(self._data)  # behind all that is there
-            for name, text in self._texts().items():
+            for name, text in texts.items():
                 old = package.NameToInfo.pop(name)
                 package.filelist.remove(old)
                 made = zipfile.ZipInfo(name, old.date_time)
@@ -305,13 +334,23 @@ class ThreemfFile(SceneFile):
     def __deepcopy__(self, memo: dict[int, Any]) -> ThreemfFile:
         made = memo[id(self)] = object.__new__(type(self))
         vars(made).update(vars(self))
-        for name in ("_new", "_said", "_about", "_split_faces"):
+        for name in ("_new", "_said", "_about", "_split_faces", "_parts", "_corners", "_new_points"):
             setattr(made, name, copy.deepcopy(getattr(self, name), memo))
         made._models = {path: copy.copy(model) for path, model in self._models.items()}
         for model in made._models.values():
             model.groups = {k: dataclasses.replace(group, new=list(group.new)) for k, group in model.groups.items()}
         made._where = [(made._models["/" + model.name], number) for model, number in self._where]
         return made
+
+
+def _edited(text: bytes, start: int, values: dict[str, bytes]) -> tuple[int, int, bytes]:
+    """A tag with other values of its attributes, as far as it has them: start, end, and the text between."""
+    found = _TAG.match(text, start)
+    assert found
+    made = found[0]
+    for name, value in values.items():
+        made = re.sub(rb"(\s%b\s*=\s*)(\"[^\"]*\"|'[^']*')" % name.encode(), rb'\g<1>"%b"' % value, made, count=1)
+    return start, found.end(), made
 
 
 def _vertex(tag: str, point: Array) -> bytes:

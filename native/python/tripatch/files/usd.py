@@ -16,7 +16,7 @@ from .. import _arrays
 from .._types import Array
 from . import evidence
 from .mesh_file import MeshFile
-from .scene import Addition, Part, SceneFile
+from .scene import Addition, Part, SceneFile, blended
 from .writing import FileError
 
 _MARK = f"primvars:{evidence.FILL}"
@@ -51,6 +51,15 @@ class _Values:
     kind: Any
     new: list[Any] = dataclasses.field(default_factory=list)
 
+    def with_new(self, within: list[Array], places: list[int]) -> Array:
+        """All rows. within: those of corners within edges, which come before the corners `places`."""
+        rows, new = self.rows, np.array(self.new, self.rows.dtype).reshape(-1, *self.rows.shape[1:])
+        if within and self.at is None:
+            rows = np.insert(rows, places, within, axis=0)
+        elif within:
+            new = np.concatenate([new, np.array(within, rows.dtype)])
+        return np.concatenate([rows, new])
+
     def row(self, k: int) -> Array:
         """Of a point, corner or face."""
         return np.asarray(self.rows[k if self.at is None else self.at[k]])
@@ -64,7 +73,6 @@ class _Mesh:
     values: list[_Values]
     subsets: dict[str, Array]  # of each its faces
     marks: Array | None
-    points: list[Array] = dataclasses.field(default_factory=list)
     faces: list[list[int]] = dataclasses.field(default_factory=list)
     numbers: list[int] = dataclasses.field(default_factory=list)
     subset_faces: dict[str, list[int]] = dataclasses.field(default_factory=dict)
@@ -139,12 +147,12 @@ class UsdFile(SceneFile):
     def __deepcopy__(self, memo: dict[int, Any]) -> UsdFile:
         made = memo[id(self)] = object.__new__(type(self))
         vars(made).update(vars(self))
-        for name in ("_about", "_split_faces"):
+        for name in ("_about", "_split_faces", "_parts", "_corners", "_new_points"):
             setattr(made, name, copy.deepcopy(getattr(self, name), memo))
         made._meshes = []
         for mesh in self._meshes:
             values = [dataclasses.replace(each, new=list(each.new)) for each in mesh.values]
-            lists: dict[str, Any] = {name: list(getattr(mesh, name)) for name in ("points", "faces", "numbers", "said")}
+            lists: dict[str, Any] = {name: list(getattr(mesh, name)) for name in ("faces", "numbers", "said")}
             subsets = {name: list(rows) for name, rows in mesh.subset_faces.items()}
             made._meshes.append(dataclasses.replace(mesh, values=values, subset_faces=subsets, **lists))
         made._layer = self._copied(self._layer)
@@ -214,21 +222,26 @@ class UsdFile(SceneFile):
         if each is None or each.interpolation != "faceVarying" or each.rows.dtype.kind != "f":
             return None
         first, end = self._parts[part].offsets[k : k + 2]
-        of = dict(zip(self._parts[part].corners[first:end].tolist(), range(first, end), strict=True))
-        return np.array([np.ravel(each.row(of[v])) for v in self._own_face(f)], float)
+        rows = [np.ravel(each.row(c)).astype(float) for c in range(first, end)]
+        return np.array(self._blended_corners(f, rows[:: -1 if self._parts[part].flipped else 1]))
+
+    def _shares(self, number: int) -> bool:
+        return not any(each.interpolation in _PER_POINT for each in self._meshes[number].values)
+
+    def _split(self, f: int, place: int, v: int, t: float) -> None:
+        part, mesh = self._parts[int(self._part_of_face[f])], self._meshes[int(self._part_of_face[f])]
+        count = len(part.added)
+        super()._split(f, place, v, t)
+        for own in range(len(part.points) + count, len(part.points) + len(part.added)):
+            for each in mesh.values:
+                if each.interpolation in _PER_POINT:
+                    each.new.append(part.value(own, each.row))
 
     # what is added
 
     def _add(self, new: Addition) -> None:
         mesh, part = self._meshes[new.number], new.part
-        numbers: dict[int, int] = {}
-        added = []
-        for v in dict.fromkeys(v for face in new.faces for v in face):
-            numbers[v] = new.copy_of(v) if v < new.n else -1
-            if numbers[v] < 0:
-                numbers[v] = len(part.points) + len(mesh.points)
-                mesh.points.append(new.place_of(v))
-                added.append(v)
+        numbers, added = new.own_vertices()
         first = len(part.offsets) - 1 + len(mesh.faces)
         mesh.faces += [[numbers[v] for v in face] for face in new.faces]
         mesh.numbers += [self._number] * len(new.faces)
@@ -269,10 +282,11 @@ class UsdFile(SceneFile):
             for f, c in own.items():
                 k = int(self._number_in_part[f])
                 if each.interpolation in _PER_POINT:
-                    at_rim[v] = each.row(c)
+                    at_rim[v] = new.part.value(c, each.row)
                 else:
                     first, end = new.part.offsets[k : k + 2]
-                    at_rim[v] = each.row(int(first) + new.part.corners[first:end].tolist().index(c))
+                    rows = [each.row(k) for k in range(first, end)][:: -1 if new.part.flipped else 1]
+                    at_rim[v] = self._blended_corners(f, rows)[self._own_face(f).index(c)]
         near = new.continued.near
         return at_rim | {new.n + k: at_rim[int(near[k])] for k in range(len(new.fill.vertices)) if len(new.fill.rim)}
 
@@ -291,7 +305,7 @@ class UsdFile(SceneFile):
     def _save(self, path: Path) -> None:
         layer = self._copied(self._layer)
         for mesh, part in zip(self._meshes, self._parts, strict=True):
-            if mesh.faces:
+            if mesh.faces or part.moved or any(self._parts[self._part_of_face[f]] is part for f in self._corners):
                 self._write(layer, mesh, part)
         if self._folder and path.parent.absolute() != self._folder:
             self._pxr.UsdUtils.ModifyAssetPaths(layer, lambda asset: _moved(asset, self._folder, path.parent.absolute()))
@@ -302,21 +316,44 @@ class UsdFile(SceneFile):
                 raise FileError(f"usd-core cannot write {path}")
             path.write_bytes(made.read_bytes())
 
+    def _corners_by_now(self, part: Part) -> tuple[Array, Array, list[tuple[int, int, int, float]]]:
+        """Of the file's own faces the counts and corners; of corners within edges which corner of the file they come before,
+        between which two they are, and which part of the way."""
+        counts, corners = np.diff(part.offsets), part.corners.copy()
+        found = []
+        for f in (f for f in self._corners if self._parts[self._part_of_face[f]] is part):
+            k = int(self._number_in_part[f])
+            first, size = int(part.offsets[k]), int(counts[k])
+            for own, at in self._corners_of(f):
+                c = (size - 1 - at) % size if part.flipped else at
+                if c % 1:
+                    found.append((first + c, own, first + int(c), first + (int(c) + 1) % size))
+                else:
+                    corners[first + int(c)] = own
+            counts[k] = len(self._corners_of(f))
+        found.sort()
+        corners = np.insert(corners, [a + 1 for _, _, a, _ in found], [own for _, own, _, _ in found]) if found else corners
+        return counts, corners, [(a + 1, a, b, c % 1) for c, _, a, b in found]
+
     def _write(self, layer: Any, mesh: _Mesh, part: Part) -> None:
         sdf = self._pxr.Sdf
         prim = sdf.CreatePrimInLayer(layer, mesh.path)
-        points = np.concatenate([part.points, mesh.points]) if mesh.points else part.points
-        counts = [*np.diff(part.offsets).tolist(), *map(len, mesh.faces)]
-        corners = [*part.corners.tolist(), *(v for face in mesh.faces for v in face)]
+        points = np.concatenate([part.points, np.reshape(part.added, (-1, 3))])
+        own_counts, own_corners, within = self._corners_by_now(part)
+        counts = [*own_counts.tolist(), *map(len, mesh.faces)]
+        corners = [*own_corners.tolist(), *(v for face in mesh.faces for v in face)]
         _set(sdf, prim, "points", "point3f[]", points.astype(np.float32))
         _set(sdf, prim, "faceVertexCounts", "int[]", np.array(counts, np.int32))
         _set(sdf, prim, "faceVertexIndices", "int[]", np.array(corners, np.int32))
         _set(sdf, prim, "extent", "float3[]", np.array([points.min(axis=0), points.max(axis=0)], np.float32))
         for each in mesh.values:
-            rows = np.concatenate([each.rows, np.array(each.new, each.rows.dtype).reshape(-1, *each.rows.shape[1:])])
+            more = [blended(each.row(a), each.row(b), t) for _, a, b, t in within] if each.interpolation == "faceVarying" else []
+            rows = each.with_new(more, [place for place, *_ in within])
             _set(sdf, prim, each.name, each.type_name, rows.reshape(-1, *each.rows.shape[2:]) if each.size > 1 else rows)
             if each.at is not None:
-                at = np.concatenate([each.at, len(each.rows) + np.arange(len(each.new))])
+                count = len(each.rows) + len(each.new)
+                at = np.insert(each.at, [place for place, *_ in within][: len(more)], count + np.arange(len(more)))
+                at = np.concatenate([at, len(each.rows) + np.arange(len(each.new))])
                 _set(sdf, prim, f"{each.name}:indices", "int[]", at.astype(np.int32))
         for name, faces in mesh.subset_faces.items():
             own = np.concatenate([mesh.subsets[name], faces]).astype(np.int32)
