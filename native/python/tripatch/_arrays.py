@@ -136,33 +136,46 @@ def index_lists(value: Any) -> list[list[int]]:
 
 #: Odd numbers whose products spread over 64 bits: the golden ratio's and another's.
 _SPREADING = (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F)
+_BLOCK = 1 << 16  # rows that caches hold
 
 
 def same_places(points: Array) -> tuple[Array, Array]:
     """Rows (n, 3) that are equal as one. Returns the first row of each place, ascending, and for each row its place."""
-    points = np.ascontiguousarray(points + points.dtype.type(0))  # -0 is 0
-    bits: Array = points.view(np.uint32 if points.dtype == np.float32 else np.uint64).reshape(-1, 3)
-    low = np.uint64(max(len(bits) - 1, 1).bit_length())  # of a number: which row it is; above them a hash
+    count = len(points)
+    blocks = [slice(k, min(k + _BLOCK, count)) for k in range(0, count, _BLOCK)]
+    kind: Any = np.int32 if count < 2**31 else np.int64
+
+    def bits(rows: Any) -> Array:
+        some = points[rows] + points.dtype.type(0)  # -0 is 0
+        return np.asarray(some.view(np.uint32 if points.dtype == np.float32 else np.uint64).reshape(-1, 3))
+
+    low = np.uint64(max(count - 1, 1).bit_length())  # of a number: which row it is; above them a hash
     mask = (np.uint64(1) << low) - np.uint64(1)
     for factor in _SPREADING:
-        key: Array = bits[:, 0] * np.uint64(factor)
-        for column in (1, 2):
-            key ^= key >> np.uint64(32)
-            key += bits[:, column]
-            key *= np.uint64(factor)
-        key &= ~mask
-        key |= np.arange(len(bits), dtype=np.uint64)
-        key.sort()
-        order = (key & mask).astype(np.int64)
-        key >>= low
-        begins = np.ones(len(key), bool)
-        np.not_equal(key[1:], key[:-1], out=begins[1:])
-        first, place = order[begins], np.empty(len(order), np.int64)
-        place[order] = np.cumsum(begins) - 1
-        if all(np.array_equal(bits[:, k][first][place], bits[:, k]) for k in range(3)):
+        keys = np.empty(count, np.uint64)
+        for block in blocks:
+            columns = bits(block).T.astype(np.uint64)
+            key = columns[0] * np.uint64(factor)
+            for column in columns[1:]:
+                key ^= key >> np.uint64(32)
+                key += column
+                key *= np.uint64(factor)
+            keys[block] = (key & ~mask) | np.arange(block.start, block.stop, dtype=np.uint64)
+        keys.sort()
+        order = np.bitwise_and(keys, mask, out=np.empty(count, kind), casting="unsafe")
+        keys >>= low
+        begins = np.ones(count, bool)
+        np.not_equal(keys[1:], keys[:-1], out=begins[1:])
+        del keys
+        first, place = order[begins].astype(np.int64), np.empty(count, kind)
+        ranks = np.cumsum(begins, dtype=kind)
+        ranks -= 1
+        place[order] = ranks
+        del order, ranks
+        if all(np.array_equal(bits(first[place[block]]), bits(block)) for block in blocks):
             break
     else:  # what is not equal has one hash
-        _, first, place = np.unique(bits, axis=0, return_index=True, return_inverse=True)
+        _, first, place = np.unique(bits(slice(None)), axis=0, return_index=True, return_inverse=True)
         place = place.reshape(-1)
     by_use = np.argsort(first)
     rank = np.empty_like(by_use)

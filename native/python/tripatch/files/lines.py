@@ -107,7 +107,7 @@ class Lines:
             kind: float, or an integer type, whose words may be several numbers with slashes between them.
         """
         made = []
-        sizes = np.cumsum(np.diff(self.starts)[chosen])
+        sizes = np.cumsum(self.starts[chosen + 1] - self.starts[chosen], dtype=np.int64)
         first = 0
         while first < len(chosen):  # in parts that caches hold
             end = max(int(np.searchsorted(sizes, (sizes[first - 1] if first else 0) + _PART)), first + 1)
@@ -124,7 +124,7 @@ class Lines:
         begins = ~space
         begins[1:] &= space[:-1]
         words = np.flatnonzero(begins)
-        lengths = np.diff(self.starts)[chosen]
+        lengths = self.starts[chosen + 1] - self.starts[chosen]
         line_starts = np.cumsum(lengths) - lengths
         counts = np.diff(np.searchsorted(words, line_starts), append=len(words))
         forms = counts.astype(np.int64)

@@ -118,7 +118,8 @@ class ObjFile(MeshFile):
                 raise self._cannot(lines[at[int(np.argmax((rows == 0).any(axis=1)))]])
             if rows.shape[1] >= 3:
                 before = np.searchsorted(self._vertex_lines, lines[at])[:, None] if (rows < 0).any() else 0
-                groups.append((number[at], np.where(rows > 0, rows - 1, rows + before)))
+                rows += np.where(rows > 0, -1, before)
+                groups.append((number[at], rows))
         self._face_lines = lines[kept].astype(np.int32)
         return rows_of(sizes[kept], groups)
 

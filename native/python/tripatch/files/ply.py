@@ -73,7 +73,8 @@ class PlyFile(MeshFile):
         end = re.search(rb"(?:^|[\r\n])end_header[ \t]*(\r\n|\n|\r)", data)
         if not data.startswith(b"ply") or not end:
             raise FileError("The file is no PLY file: its header is missing or has no end")
-        self._data, self._eol = bytearray(data), end[1]
+        self._data: bytes | bytearray = data
+        self._eol = end[1]
         self._elements: list[_PlyElement] = []
         form = ""
         for line in re.finditer(rb"[^\r\n]+", data[: end.start()]):
@@ -525,6 +526,7 @@ class PlyFile(MeshFile):
             row[k] = float(value)
         if self._order:
             encoded = self._encode(vertex, row)
+            self._data = self._data if isinstance(self._data, bytearray) else bytearray(self._data)
             self._data[start : start + len(encoded)] = encoded
             return
         words = self._encode(vertex, row).split()

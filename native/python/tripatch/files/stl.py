@@ -64,7 +64,7 @@ class StlFile(MeshFile):
         self._new: list[tuple[Array, Array, int]] = []  # normal, corners, attribute or solid
         self._instead: dict[int, Array] = {}  # triangles (k, 3, 3) in place of one
         self._ends: list[int] = []  # of a text: where its solids end
-        self._spans: list[tuple[int, int]] = []  # of a text: where the corners of each triangle are
+        self._spans = np.zeros((0, 2), np.int64)  # of a text: where the corners of each triangle are
         count = int.from_bytes(data[80:84], "little")
         # many binary files start with "solid", too; some writers leave bytes behind the last triangle
         exact = len(data) >= 84 and len(data) == 84 + 50 * count
@@ -93,7 +93,7 @@ class StlFile(MeshFile):
         if len(chosen) % 3:
             raise FileError(f"The STL file is damaged: it has {len(chosen)} vertices, which are no whole triangles")
         self._part_of = np.searchsorted(self._ends[:-1], lines.starts[chosen[::3]])
-        self._spans = list(zip(lines.starts[chosen[::3]].tolist(), lines.starts[chosen[2::3] + 1].tolist()))
+        self._spans = np.column_stack([lines.starts[chosen[::3]], lines.starts[chosen[2::3] + 1]])
         corners = np.full((len(chosen), 3), np.nan)
         left = np.ones(len(chosen), bool)
         for some, numbers, _ in lines.table(chosen, b"", keyword=b"vertex"):
@@ -139,11 +139,14 @@ class StlFile(MeshFile):
         return int(self._part_of[f])
 
     def _append(self, fill: Any, faces: list[list[int]], continued: Continued) -> None:
-        places = np.concatenate([self.vertices, fill.vertices])
+        used, places = np.unique(np.concatenate([np.zeros(0, np.int64), *fill.faces]), return_inverse=True)
+        old = used[used < len(self.vertices)]
+        points = np.concatenate([self.vertices[old], fill.vertices[used[len(old) :] - len(self.vertices)]])
+        own = iter(places.reshape(-1).tolist())
         for k, face in enumerate(fill.faces):
             part = int(self._part_of[continued.model[k]]) if continued.model else 0
-            triangles = _corner_triangles([face])
-            self._add(places[np.array(triangles, int)], [part] * len(triangles))
+            triangles = _corner_triangles([[next(own) for _ in face]])
+            self._add(points[np.array(triangles, int)], [part] * len(triangles))
 
     def _add(self, triangles: Array, parts: Sequence[int]) -> None:
         self._new += list(zip(_normals(triangles), triangles, parts))
@@ -175,7 +178,7 @@ class StlFile(MeshFile):
         changes: list[tuple[int, int, bytes]] = []  # from, to, what is there instead
         for f, triangles in self._instead.items():
             lines = [line for each in zip(_normals(triangles), triangles) for line in _facet(*each)]
-            changes.append((*self._spans[f], text(lines[2:-2])))  # what begins the first and ends the last is there
+            changes.append((*self._spans[f].tolist(), text(lines[2:-2])))  # what begins the first and ends the last is there
         for solid, end in enumerate(self._ends):
             added = [_facet(normal, corners) for normal, corners, part in self._new if part == solid]
             changes.append((end, end, text([line for lines in added for line in lines])))
