@@ -92,7 +92,7 @@ def entry(settings: Settings, name: str, sha256: str | None, lines: list[dict[st
 
 
 def _left(holes: borders.Holes, loops: list[Any], settings: Settings) -> dict[int, str]:
-    """Why loops are not filled: lowest vertex -> sentence."""
+    """Why filters leave loops out: lowest vertex -> sentence. What none leaves out is an outer border."""
     choosing = settings.choosing()
     reasons: dict[int, str] = {}
     named = [name for name in choosing if name != "outer"]
@@ -103,8 +103,6 @@ def _left(holes: borders.Holes, loops: list[Any], settings: Settings) -> dict[in
         for loop in loops:
             if int(loop[0]) not in chosen:
                 reasons.setdefault(int(loop[0]), said)
-    for loop in loops:
-        reasons.setdefault(int(loop[0]), OUTER)
     return reasons
 
 
@@ -137,8 +135,8 @@ def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, 
         first = int(loop[0])
         place = {"hole": k, "vertex": first, "edges": len(loop), "diameter": _diameter(vertices[loop])}
         if first not in meant:
-            outer = reasons[first] == OUTER
-            line = record.of_hole(settings, name, **place, outer=outer, status=record.LEFT, reason=reasons[first])
+            left = {"outer": first not in reasons, "reason": reasons.get(first, OUTER)}
+            line = record.of_hole(settings, name, **place, **left, status=record.LEFT)
         elif settings.mode == LIST:
             no_hole = holes.refused.get(meant[first])
             line = record.of_hole(settings, name, no_hole, **place, **({} if no_hole else {"status": record.LISTED}))
