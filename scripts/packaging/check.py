@@ -49,7 +49,7 @@ def module_faults(platform: Platform, python: str, content: bytes) -> list[str]:
     exported = {function.name.lstrip("_") for function in binary.exported_functions}
     if "PyInit__native" not in exported:
         faults.append("does not export PyInit__native")
-    if len(exported) > 1:
+    if len(exported) > 1 and platform.system != "Windows":  # where names of one module never meet those of another
         faults.append(f"exports {len(exported) - 1} more names, such as {min(exported - {'PyInit__native'})}")
     if platform.system == "Linux":
         versions = {v for r in binary.symbols_version_requirement for v in (a.name for a in r.get_auxiliary_symbols())}

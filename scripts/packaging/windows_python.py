@@ -57,7 +57,7 @@ def make(folder: Path, requirements: list[str]) -> None:
     library = import_library(PYTHON, headers(PYTHON, platform))
     program = folder / "python.c"
     program.write_text(PROGRAM)
-    run([BUILD / "cross" / platform.name / "cc", "-municode", "-O1", program, library, "-o", folder / "python.exe"])
+    run([BUILD / "cross" / platform.name / "cc", "-municode", program, library, "-o", folder / "python.exe"])
     program.unlink()
     run(
         [
