@@ -1,36 +1,125 @@
-"""python -m comparison: measures, and writes the pages of measurements."""
+"""HoleBench: fills every hole by TriPatch and by other programs, measures all by one code, writes results as JSON and a page."""
 
 from __future__ import annotations
 
 import argparse
-import importlib
+import json
 import shutil
+import subprocess
+import time
 from pathlib import Path
 
-from .page import Setting
+import numpy as np
+import tripatch
 
-PARTS = ("accuracy", "fairness", "cages", "many_sides", "speed")  # modules with a function write(Setting)
+from . import metrics, page, rivals, sets
+from .holes import Hole
+from .page import OURS, TRUTH
+
+QUICK = 7  # --quick: no multiple of what the sets repeat
+
+
+def of_truth(hole: Hole, made: rivals.Filling) -> rivals.Filling:
+    """TriPatch's triangles with their vertices on the true surface: what triangles of that size cannot avoid."""
+    vertices = made.vertices.copy()
+    vertices[len(hole.vertices) :] = hole.nearest(vertices[len(hole.vertices) :])
+    return rivals.Filling(vertices, made.faces, 0)
+
+
+def measured(hole: Hole, others: dict) -> tuple[dict, dict]:
+    """What is stored of a hole: filler -> figures, or the reason why there are none; and filler -> Filling."""
+    row: dict = {"set": hole.group, "mesh": hole.mesh, "edges": len(hole.rim), "fillers": {}}
+    made: dict = {}
+    try:
+        fill, made[OURS] = rivals.ours(hole)
+    except tripatch.Refusal as refusal:
+        row["fillers"][OURS] = {"failed": refusal.reason}
+        return row, made
+    if hole.nearest and hole.normals is not None:
+        made[TRUTH] = of_truth(hole, made[OURS])
+    for name, call in others.items():
+        try:
+            made[name] = call(hole, fill)
+        except (RuntimeError, ValueError, StopIteration, subprocess.SubprocessError, OSError) as error:
+            row["fillers"][name] = {"failed": str(error)[:100] or type(error).__name__}
+    for name, each in made.items():
+        row["fillers"][name] = metrics.measure(hole, each.vertices, each.faces) | {"cpu": each.cpu}
+    mine, deviation = row["fillers"][OURS], fill.deviation
+    mine["method"] = fill.report.method
+    if hole.distance and deviation is not None and len(deviation):
+        stated = np.asarray(deviation) > 1e-12 * hole.diameter
+        errors = hole.distance(fill.vertices[stated]) / np.hypot(np.asarray(deviation)[stated], hole.off)
+        row["ratios"] = [float(f"{ratio:.3g}") for ratio in errors]
+    return row, made
+
+
+def run(settings: argparse.Namespace, others: dict, results: dict) -> None:
+    """Fills `results`, which is written after each hole: what has been done is kept if it is stopped."""
+    chosen = settings.sets.split(",") if settings.sets else None
+    for group, make in sets.all_sets(settings.data, blender=settings.blender, cache=settings.cache):
+        if chosen and group not in chosen:
+            continue
+        start, count = time.perf_counter(), 0
+        for k, hole in enumerate(make()):
+            hole.group, key = group, f"{group}: {hole.name}"
+            if key in results["holes"] or k % settings.every:
+                continue
+            row, made = measured(hole, others)
+            results["holes"][key] = row
+            count += 1
+            if settings.pictures and hole.name in page.PICTURED and made:
+                from . import pictures
+
+                pictures.draw(settings.pictures / f"{hole.name}.png", hole, made, row["fillers"])
+            settings.json.write_text(json.dumps(results, indent=0, default=float) + "\n")
+        print(f"{group}: {count} holes, {time.perf_counter() - start:.0f} s", flush=True)
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("parts", nargs="*", metavar="PART", help=f"of {', '.join(PARTS)}; default: all")
-    parser.add_argument("--quick", action="store_true", help="few cases, to see that everything works")
-    parser.add_argument("--docs", type=Path, required=True, help="the folder of the pages")
-    parser.add_argument("--cache", type=Path, required=True, help="folder for what other programs write")
-    parser.add_argument("--cgal", help="the compiled cgal_fill")
-    parser.add_argument("--pmp", help="the compiled pmp_fill")
-    parser.add_argument("--blender", default="blender")
-    args = parser.parse_args()
-    for part in args.parts:
-        if part not in PARTS:
-            parser.error(f"no part {part}; there are {', '.join(PARTS)}")
-    args.cache.mkdir(parents=True, exist_ok=True)
-    blender = shutil.which(args.blender) or ""
-    setting = Setting(args.docs, args.cache, args.cgal or None, args.pmp or None, blender, args.quick)
-    for part in args.parts or PARTS:
-        print(f"== {part}", flush=True)
-        importlib.import_module(f"comparison.{part}").write(setting)
+    parser = argparse.ArgumentParser(prog="holebench", description=__doc__)
+    parser.add_argument("--quick", dest="every", action="store_const", const=QUICK, help="every seventh hole: ten minutes")
+    parser.add_argument("--every", type=int, default=1, metavar="N", help="only every Nth hole of each set")
+    parser.add_argument("--data", type=Path, help="a folder of meshes, or of NAME_original and NAME_gt (its truth) each")
+    parser.add_argument(
+        "--rival", action="append", default=[], metavar="NAME=COMMAND", help="a program that takes IN.obj OUT.obj"
+    )
+    parser.add_argument(
+        "--without", default="", help="rivals to leave out, by the beginnings of their names, with commas between"
+    )
+    parser.add_argument("--sets", default="", help="names of some sets, with commas between")
+    parser.add_argument("--json", type=Path, required=True, help="where the results go")
+    parser.add_argument("--page", type=Path, help="where the page goes")
+    parser.add_argument("--pictures", type=Path, help="the folder of the pictures")
+    parser.add_argument("--resume", action="store_true", help="keep the holes that the results have")
+    parser.add_argument("--only-page", action="store_true", help="write the page of results that are there")
+    parser.add_argument("--cache", type=Path, required=True, help="folder for what Blender makes")
+    for name, what in (("cgal", "the compiled cgal_fill"), ("pmp", "the compiled pmp_fill"), ("blender", "Blender")):
+        parser.add_argument(f"--{name}", default="", help=what)
+    parser.set_defaults(every=1)
+    settings = parser.parse_args()
+    settings.blender = shutil.which(settings.blender) or ""
+    settings.cache.mkdir(parents=True, exist_ok=True)
+    if not settings.only_page:
+        commands = dict(word.split("=", 1) for word in settings.rival)
+        others, versions, skipped = rivals.available(settings.cgal, settings.pmp, settings.blender, commands)
+        left_out = tuple(filter(None, settings.without.split(",")))
+        others = {name: call for name, call in others.items() if not name.startswith(left_out or "\n")}
+        for line in skipped:
+            print(f"skipped: {line}")
+        sources = [sets.origin(p) for p in sorted(settings.data.rglob("*")) if p.is_file()] if settings.data else []
+        known = {"versions": versions, "skipped": skipped, "every": settings.every, "data": sources}
+        results = {**page.measured_on(), **known, "holes": {}}
+        if settings.resume and settings.json.exists():
+            results["holes"] = json.loads(settings.json.read_text())["holes"]
+        run(settings, others, results)
+    results = json.loads(settings.json.read_text())
+    if settings.pictures:
+        from . import pictures
+
+        rows = list(results["holes"].values())
+        pictures.distances(settings.pictures / "distances.png", rows, page.fillers_of(rows))
+    if settings.page:
+        settings.page.write_text(page.page(results))
 
 
 if __name__ == "__main__":

@@ -1,44 +1,44 @@
-"""Three-sided holes whose true surface or surroundings are known exactly, each meshed at any density: ten (ANALYTIC and Suzanne),
-and ten more of other surfaces (FURTHER).
+"""Holes in surfaces with a formula: twenty between three sides (ANALYTIC, FURTHER), and such of more sides (many_sided).
 
 Every case is a `Hole`: four rings of triangles around an open hole with n edges a side (case `irregular`: 40/10/5 at n = 16).
-Sides run from corner 0 to 1, 1 to 2 and 2 to 0 in this file, in the direction in which new faces traverse the rim.
+Sides run from corner 0 to 1, 1 to 2 and so on, in the direction in which new faces traverse the rim.
 """
 
 from __future__ import annotations
 
 import functools
-import shutil
-import subprocess
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 RINGS = 4
-SUZANNE_LEVELS = {8: 2, 16: 3, 32: 4}
-SUZANNE_TRUTH = 6
 
 
 @dataclass
 class Hole:
+    """A mesh with a hole, and all that is known of the surface that was there."""
+
     name: str
     vertices: np.ndarray  # (n, 3) of the surroundings
     faces: np.ndarray  # (m, 3)
-    rim: np.ndarray  # vertex indices from corner 0 on
-    corners: np.ndarray  # vertex indices
-    normals: np.ndarray  # (n, 3) true unit normals of the vertices
+    rim: np.ndarray  # vertex indices, in the direction of new faces
+    normals: np.ndarray | None = None  # (n, 3) true unit normals of the vertices; None: the surface has edges or facets
     nearest: Callable | None = None  # (k, 3) -> nearest points of the true surface; None: no truth inside
-
+    distance: Callable | None = None  # (k, 3) -> distances (k,) to it, if `nearest` is not known
+    facets: Callable | None = None  # (k, 3) -> unit normals of the truth's facets that are nearest, if it is a mesh
+    off: float = 0.0  # how far the mesh itself is from that truth, root mean square along the rim
+    beyond: np.ndarray | None = None  # (k, 3) unit normals of the truth's facets inside along the edges of the rim
     strip: Callable | None = None  # (i, s, d) -> points and normals at a distance d, in its own measure, outside side i
-    counts: tuple = ()  # edges of the sides
+    counts: tuple = ()  # edges of the sides, where they are known
+    group: str = ""  # the set that it belongs to
+    mesh: str = ""  # the mesh that it was cut out of
 
-    @property
-    def rim_normals(self) -> np.ndarray:
-        return self.normals[self.rim]
+    def __post_init__(self) -> None:
+        if self.nearest and not self.distance:
+            nearest = self.nearest
+            self.distance = lambda points: np.linalg.norm(nearest(points) - points, axis=1)
 
     @property
     def diameter(self) -> float:
@@ -104,8 +104,8 @@ def _mesh(name, counts, strip, step, *, gap=False, spacing=lambda i, t: t, neare
                     p, q, r, t = quadrant[a, b], quadrant[a + 1, b], quadrant[a, b + 1], quadrant[a + 1, b + 1]
                     faces += [(p, q, r), (r, q, t)]
     rim = np.concatenate([grid[:-1, 0] for grid in grids])
-    corners = np.array([grid[0, 0] for grid in grids])
-    return Hole(name, np.array(points), np.array(faces), rim, corners, np.array(normals), nearest, strip, tuple(counts))
+    known = {"strip": strip, "counts": tuple(counts)}
+    return Hole(name, np.array(points), np.array(faces), rim, np.array(normals), nearest, **known)
 
 
 # ------------------------------------------------------------------------------------------- holes in one parametric surface
@@ -441,189 +441,4 @@ def bezier3(n):
     return _mesh("bezier3", (n, n, n), strip, min(1.5 / n, 0.24))
 
 
-# ------------------------------------------------------------------------------------------------------------------ Suzanne
-
-_EXPORT = """
-import sys
-from array import array
-import bpy
-out, levels = sys.argv[sys.argv.index("--") + 1], sys.argv[sys.argv.index("--") + 2:]
-bpy.ops.wm.read_factory_settings(use_empty=True)
-bpy.ops.mesh.primitive_monkey_add()
-monkey = bpy.context.object
-modifier = monkey.modifiers.new("limit", "SUBSURF")
-for level in levels:
-    modifier.levels = int(level)
-    mesh = monkey.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
-    points, quads = array("f", [0.0]) * (3 * len(mesh.vertices)), array("i", [0]) * (4 * len(mesh.polygons))
-    mesh.vertices.foreach_get("co", points)
-    mesh.loops.foreach_get("vertex_index", quads)
-    for kind, values in (("points", points), ("quads", quads)):
-        with open(f"{out}/suzanne-{level}.{kind}", "wb") as file:
-            values.tofile(file)
-"""
-
-
-def suzanne_meshes(folder: Path, blender="blender") -> None:
-    """Has Blender write Suzanne on its Catmull-Clark limit surface into `folder`, once."""
-    levels = [*SUZANNE_LEVELS.values(), SUZANNE_TRUTH]
-    if all((folder / f"suzanne-{level}.quads").exists() for level in levels):
-        return
-    folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.NamedTemporaryFile("w", suffix=".py") as script:
-        script.write(_EXPORT)
-        script.flush()
-        command = [blender, "--background", "--factory-startup", "--python-exit-code", "1", "--python", script.name, "--"]
-        subprocess.run(command + [str(folder), *map(str, levels)], check=True, stdout=subprocess.DEVNULL)
-
-
-def _suzanne_grid(points, quads, n):
-    """Vertices (n + 1, n + 1) of 2 x 2 faces of the forehead, walked from one corner."""
-    face_of, neighbors = {}, {}
-    for f, quad in enumerate(quads.tolist()):
-        for a, b in zip(quad, quad[1:] + quad[:1]):
-            face_of[a, b] = f
-            neighbors.setdefault(a, set()).add(b)
-            neighbors.setdefault(b, set()).add(a)
-
-    def towards(v, direction):
-        return max(sorted(neighbors[v]), key=lambda w: unit(points[w] - points[v]) @ direction)
-
-    def straight(before, v):  # across a regular vertex
-        beside = {w for f in (face_of.get((before, v)), face_of.get((v, before))) if f is not None for w in quads[f].tolist()}
-        return (neighbors[v] - beside).pop()
-
-    def opposite(a, b, c):  # the fourth vertex of the quad a, b, c
-        for f in (face_of.get((a, b)), face_of.get((b, a))):
-            if f is not None and c in quads[f]:
-                return next(w for w in quads[f].tolist() if w not in (a, b, c))
-        raise ValueError("not a grid of quads")
-
-    grid = np.zeros((n + 1, n + 1), int)
-    grid[0, 0] = np.linalg.norm(points - [0.4089, 0.0961, 0.8852], axis=1).argmin()
-    grid[1, 0], grid[0, 1] = towards(grid[0, 0], np.array([0, 1, -0.02])), towards(grid[0, 0], np.array([-0.95, -0.12, 0.3]))
-    for k in range(2, n + 1):
-        grid[k, 0], grid[0, k] = straight(grid[k - 2, 0], grid[k - 1, 0]), straight(grid[0, k - 2], grid[0, k - 1])
-    for i in range(1, n + 1):
-        for j in range(1, n + 1):
-            grid[i, j] = opposite(grid[i - 1, j], grid[i - 1, j - 1], grid[i, j - 1])
-    return grid
-
-
-def _faces_around(quads, grid, n):
-    """Triangles (m, 3) of the rings around the half of the grid that is the hole."""
-    kept = {int(grid[i, j]) for i in range(n + 1) for j in range(n + 1 - i)}
-    block = {frozenset(map(int, grid[i : i + 2, j : j + 2].flat)): (i, j) for i in range(n) for j in range(n)}
-    for _ in range(RINGS):
-        kept |= {w for quad in quads.tolist() if kept.intersection(quad) for w in quad}
-    faces = []
-    for quad in quads.tolist():
-        i, j = block.get(frozenset(quad), (n, n))
-        if not kept.issuperset(quad) or i + j < n - 1:
-            continue
-        if i + j == n - 1:  # the diagonal of the hole cuts it: the outer half stays
-            k = quad.index(grid[i + 1, j + 1])
-            faces.append((quad[k], quad[(k + 1) % 4], quad[k - 1]))
-        else:
-            faces += [(quad[0], quad[1], quad[2]), (quad[0], quad[2], quad[3])]
-    return np.array(faces)
-
-
-def _suzanne_truth(points, used, hole, folder):
-    """The fine limit surface near these points and those of the hole, its triangles there, its normals at the points used."""
-    truth, truth_quads = _limit_points(folder, SUZANNE_TRUTH)
-    triangles = np.concatenate([truth_quads[:, [0, 1, 2]], truth_quads[:, [0, 2, 3]]])
-    low, high = points[[*used, *hole]].min(0) - 0.05, points[[*used, *hole]].max(0) + 0.05
-    triangles = triangles[((truth[triangles[:, 0]] > low) & (truth[triangles[:, 0]] < high)).all(1)]
-    # normals from the quads' diagonals, which no cut of a quad favors
-    near = np.unique(triangles)
-    normals = np.zeros_like(truth)
-    beside = truth_quads[np.isin(truth_quads, near).any(1)]
-    a, b, c, d = truth[beside].swapaxes(0, 1)
-    for k in range(4):
-        np.add.at(normals, beside[:, k], np.cross(c - a, d - b))
-    there = near[[np.linalg.norm(truth[near] - p, axis=1).argmin() for p in points[used]]]
-    return truth, triangles, unit(normals[there])
-
-
-def _limit_points(folder, level):
-    points = np.fromfile(folder / f"suzanne-{level}.points", np.float32).reshape(-1, 3).astype(float)
-    return points, np.fromfile(folder / f"suzanne-{level}.quads", np.int32).reshape(-1, 4)
-
-
-def suzanne(n, folder: Path):
-    """Half of 2 x 2 faces of Suzanne's forehead, below their diagonal, on the limit surface; n = 8, 16 or 32."""
-    points, quads = _limit_points(folder, SUZANNE_LEVELS[n])
-    grid = _suzanne_grid(points, quads, n)
-    rim = np.array([grid[i, 0] for i in range(n)] + [grid[n - i, i] for i in range(n)] + [grid[0, n - i] for i in range(n)])
-    faces = _faces_around(quads, grid, n)
-    if ((faces == rim[0]) & (np.roll(faces, -1, axis=1) == rim[1])).any():
-        rim = np.roll(rim[::-1], 1)
-
-    used = np.unique(faces)
-    truth, triangles, normals = _suzanne_truth(points, used, grid[np.add.outer(range(n + 1), range(n + 1)) <= n], folder)
-    index = np.full(len(points), -1)
-    index[used] = np.arange(len(used))
-    return Hole(
-        "suzanne",
-        points[used],
-        index[faces],
-        index[rim],
-        index[rim[[0, n, 2 * n]]],
-        normals,
-        lambda p: _nearest_on_triangles(p, truth, triangles),
-        counts=(n, n, n),
-    )
-
-
-def _nearest_on_triangles(points, vertices, triangles):
-    """Nearest points of the triangles whose centers are the nearest few."""
-    corners = vertices[triangles]
-    best, least = np.empty_like(points), np.full(len(points), np.inf)
-    for f in cKDTree(corners.mean(1)).query(points, 24)[1].T:
-        found = _nearest_on_each(points, *corners[f].swapaxes(0, 1))
-        distance = ((found - points) ** 2).sum(1)
-        nearer = distance < least
-        best[nearer], least[nearer] = found[nearer], distance[nearer]
-    return best
-
-
-def _nearest_on_each(p, a, b, c):
-    """The nearest point of each triangle to its own p: its foot in the plane if that lies inside, else the best of the edges."""
-    u, v, w = b - a, c - a, p - a
-    uu, uv, vv = (u * u).sum(1), (u * v).sum(1), (v * v).sum(1)
-    det = uu * vv - uv * uv
-    s = ((w * u).sum(1) * vv - (w * v).sum(1) * uv) / det
-    t = ((w * v).sum(1) * uu - (w * u).sum(1) * uv) / det
-    best = a + s[:, None] * u + t[:, None] * v
-    distance = np.where((s >= 0) & (t >= 0) & (s + t <= 1), ((best - p) ** 2).sum(1), np.inf)
-    for start, end in ((a, b), (b, c), (c, a)):
-        e = end - start
-        f = np.clip(((p - start) * e).sum(1) / (e * e).sum(1), 0, 1)
-        q = start + f[:, None] * e
-        d = ((q - p) ** 2).sum(1)
-        nearer = d < distance
-        best[nearer], distance[nearer] = q[nearer], d[nearer]
-    return best
-
-
-def lattice_triangles(index) -> np.ndarray:
-    """The triangles (m, 3) of a triangular lattice whose points (i, j) have the vertices index[i, j], counter-clockwise."""
-    triangles = []
-    for i, j in index:
-        for corners in (((i, j), (i + 1, j), (i, j + 1)), ((i + 1, j), (i + 1, j + 1), (i, j + 1))):
-            if all(corner in index for corner in corners):
-                triangles.append([index[corner] for corner in corners])
-    return np.array(triangles)
-
-
 ANALYTIC = {f.__name__: f for f in (sphere, sphere10, torus, saddle, franke, suitcase, fillets3, bezier3, irregular)}
-
-
-def ten(folder: Path, blender: str) -> dict:
-    """Name -> hole of n edges a side. Suzanne, which Blender writes into `folder`, is left out where there is no Blender."""
-    cases = dict(ANALYTIC)
-    if shutil.which(blender):
-        suzanne_meshes(folder, blender)
-        cases["suzanne"] = lambda n: suzanne(n, folder)
-    return cases

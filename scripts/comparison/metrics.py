@@ -1,10 +1,15 @@
-"""What the comparison measures of a fill. Angles in degrees, distances over the diameter of the hole."""
+"""What HoleBench measures of a fill. Angles in degrees, distances over the diameter of the hole."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from .holes import Hole, lattice_triangles, unit
+from .cuts import facet_normals, halfedges
+from .holes import Hole, unit
+
+POINTS, NORMALS = 2000, 500  # of a fill that are compared with the truth
+MOST_CROSSED = 4000  # triangles of a fill up to which its crossings are counted
+TOUCHING = 1e-6  # of the hole: what passes by less touches
 
 
 def angle(a, b):
@@ -14,57 +19,6 @@ def angle(a, b):
 
 def rms(values) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
-
-
-def order(errors) -> float:
-    """Of convergence over densities that double: the slope of the least-squares line through all of them."""
-    return float(-np.polyfit(np.arange(len(errors)), np.log2(errors), 1)[0])
-
-
-def seam(patch, sides, samples=200) -> float:
-    """The largest angle between the patch and the surroundings used: normals from exact derivatives, by atan2.
-
-    The ends of a side count where the corner's two planes agree to 1e-6 degrees, else what lies outside 1% of the side.
-    """
-    ends = [side.evaluate(np.array([0.0, 1.0]))[3] for side in sides]
-    agree = [angle(ends[(k + 1) % 3][1], ends[(k + 2) % 3][0]) <= 1e-6 for k in range(3)]
-    largest = 0.0
-    for i, side in enumerate(sides):
-        t = np.linspace(0 if agree[(i + 1) % 3] else 0.01, 1 if agree[(i + 2) % 3] else 0.99, samples)
-        b = np.zeros((samples, 3))
-        b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
-        first = patch.evaluate(b, 1)[1]
-        largest = max(largest, angle(unit(np.cross(first[:, 0], first[:, 1])), side.evaluate(t)[3]).max())
-    return float(largest)
-
-
-def curvature_jump(patch, sides, samples=99) -> float:
-    """The largest difference of the normal curvatures of patch and surroundings across a side, outside 1% of it, over the largest
-    of the surroundings along and across all sides."""
-    t = np.linspace(0.01, 0.99, samples)
-    jumps, sizes = [], []
-    for i, side in enumerate(sides):
-        b = np.zeros((samples, 3))
-        b[:, (i + 1) % 3], b[:, (i + 2) % 3] = 1 - t, t
-        _, first, second = patch.evaluate(b, 2)
-        _, along, r, normal = side.evaluate(t)
-        d = np.stack([np.linalg.lstsq(f.T, x, rcond=None)[0] for f, x in zip(first, r)])  # r in the patch's own derivatives
-        theirs = (side.second_derivative(t) * normal).sum(1)
-        ours = np.einsum("nk,nkd,nd->n", np.stack([d[:, 0] ** 2, 2 * d[:, 0] * d[:, 1], d[:, 1] ** 2], 1), second, normal)
-        jumps.append(np.abs(ours - theirs) / (r * r).sum(1))
-        sizes.append(np.abs(theirs) / (r * r).sum(1))
-        sizes.append(np.abs((np.gradient(normal, t, axis=0) * along).sum(1)) / (along * along).sum(1))
-    return float(np.max(jumps) / np.max(sizes))
-
-
-def surface_points(patch, count=10_000, rows=160) -> np.ndarray:
-    """Points of a patch, uniform in its area: the parameter triangle in small triangles, each hit in proportion to its area."""
-    p, q = np.array([(p, q) for q in range(rows + 1) for p in range(rows + 1 - q)]).T
-    place = {(a, b): k for k, (a, b) in enumerate(zip(p.tolist(), q.tolist()))}
-    b = np.stack([rows - p - q, p, q], 1) / rows
-    triangles = lattice_triangles(place)
-    hit, weights = spread(patch.evaluate(b)[triangles], count)
-    return patch.evaluate(np.einsum("nk,nkd->nd", weights, b[triangles[hit]]))
 
 
 def spread(triangles, count=10_000):
@@ -78,19 +32,105 @@ def spread(triangles, count=10_000):
     return hit, np.stack([1 - r - s, r, s], 1)
 
 
-def distance(hole: Hole, points) -> float:
-    """Rms distance to the true surface over the hole's diameter."""
-    return rms(np.linalg.norm(hole.nearest(points) - points, axis=1)) / hole.diameter
+def true_normals(hole: Hole, points: np.ndarray, like: np.ndarray) -> np.ndarray:
+    """Unit normals of the truth near points: of its facets, or the gradient of the distance to it a little way along `like`,
+    on the same side as that."""
+    if hole.facets:
+        return hole.facets(points)
+    away = 1e-3 * hole.diameter
+    places, step = points + away * like, 0.1 * away * np.eye(3)
+    normals = unit(np.stack([hole.distance(places + s) - hole.distance(places - s) for s in step], -1))
+    return normals * np.where((normals * like).sum(1, keepdims=True) < 0, -1, 1)  # a point beyond the surface sees it from there
 
 
-def mesh_folds(vertices, faces) -> int:
+def seam(hole: Hole, vertices, faces) -> np.ndarray:
+    """Angles along the rim to the true tangent planes: of limit normals at its vertices if the truth is smooth, else of the new
+    triangles at its edges to the facets of the truth that were there."""
+    if hole.normals is not None:
+        return angle(limit_normals(vertices, faces, hole.rim), hole.normals[hole.rim])
+    owner = halfedges(faces)
+    edges = list(zip(hole.rim.tolist(), np.roll(hole.rim, -1).tolist()))
+    here = [k for k, edge in enumerate(edges) if edge in owner]
+    normals = facet_normals(vertices, faces)[[owner[edges[k]] for k in here]]
+    return angle(normals, hole.beyond[here]) if hole.beyond is not None else np.zeros(0)
+
+
+def open_edges(hole: Hole, faces) -> int:
+    """Edges of the rim without a new face, and borders and triple edges of the fill elsewhere."""
+    rim = set(zip(hole.rim.tolist(), np.roll(hole.rim, -1).tolist()))
+    directed = [(f[k], f[(k + 1) % 3]) for f in faces.tolist() for k in range(3)]
+    given = set(directed)
+    return len(rim - given) + sum((b, a) not in given for a, b in given - rim) + len(directed) - len(given)
+
+
+def folds(vertices, faces) -> int:
     """Edges whose two triangles face more than 120 degrees apart."""
-    owner = {(f[k], f[(k + 1) % 3]): i for i, f in enumerate(faces.tolist()) for k in range(3)}
+    owner, normals = halfedges(faces), facet_normals(vertices, faces)
     pairs = [(i, owner[b, a]) for (a, b), i in owner.items() if a < b and (b, a) in owner]
-    u, v, w = vertices[faces].swapaxes(0, 1)
-    normals = unit(np.cross(v - u, w - u))
-    i, j = np.array(pairs).T
+    i, j = np.array(pairs, int).reshape(-1, 2).T
     return int(((normals[i] * normals[j]).sum(1) < -0.5).sum())
+
+
+def crossings(vertices, new, old, size: float) -> int:
+    """Pairs of an edge and a triangle without a vertex in common that go through each other, one of them new."""
+    low, high = vertices[new].min((0, 1)), vertices[new].max((0, 1))
+    corners = vertices[old]
+    old = old[((corners.max(1) >= low) & (corners.min(1) <= high)).all(1)]
+
+    def edges(faces):
+        return np.unique(np.sort(np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1), axis=0)
+
+    inner = edges(new)
+    return _pierced(vertices, inner, np.concatenate([new, old]), size) + _pierced(vertices, edges(old), new, size)
+
+
+def _pierced(vertices, edges, triangles, size: float) -> int:
+    near, count = TOUCHING * size, 0
+    ends, corners = vertices[edges], vertices[triangles]
+    low, high = corners.min(1), corners.max(1)
+    normals = facet_normals(vertices, triangles)
+    for part in np.array_split(np.arange(len(edges)), max(1, len(edges) * len(triangles) // 2_000_000)):
+        e_low, e_high = ends[part].min(1)[:, None], ends[part].max(1)[:, None]
+        e, t = np.nonzero(((e_low <= high) & (e_high >= low)).all(2))
+        e = part[e]
+        apart = ~(edges[e][:, :, None] == triangles[t][:, None]).any((1, 2))
+        e, t = e[apart], t[apart]
+        p, q, n = ends[e, 0], ends[e, 1], normals[t]
+        over, under = (((x - corners[t, 0]) * n).sum(1) for x in (p, q))
+        at = p + (over / np.where(over == under, 1, over - under))[:, None] * (q - p)
+        hit = (over * under < 0) & (np.minimum(abs(over), abs(under)) > near)
+        for k in range(3):
+            side = corners[t, (k + 1) % 3] - corners[t, k]
+            hit &= (np.cross(side, at - corners[t, k]) * n).sum(1) > near * np.linalg.norm(side, axis=1)
+        count += int(hit.sum())
+    return count
+
+
+def calibration(errors, deviations) -> dict:
+    """Shares of errors within one and two stated deviations (0.68 and 0.95 if those are right), and rms of their ratio (1)."""
+    ratio = np.asarray(errors) / np.asarray(deviations)
+    return {"count": len(ratio), "within_1": float((ratio < 1).mean()), "within_2": float((ratio < 2).mean()), "rms": rms(ratio)}
+
+
+def measure(hole: Hole, vertices: np.ndarray, faces: np.ndarray) -> dict:
+    """All that is measured of new triangles, whatever made them; vertices: all, those of the hole first."""
+    new = np.setdiff1d(np.unique(faces), hole.rim)
+    angles = seam(hole, vertices, faces)
+    out = {"triangles": len(faces), "new": len(new), "open": open_edges(hole, faces), "folds": folds(vertices, faces)}
+    if len(angles):
+        out |= {"seam": rms(angles), "seam_max": float(angles.max())}
+    if len(faces) <= MOST_CROSSED:
+        out["crossings"] = crossings(vertices, faces, hole.faces, hole.diameter)
+    if hole.distance:
+        hit, weights = spread(vertices[faces], POINTS)
+        points = np.einsum("nk,nkd->nd", weights, vertices[faces[hit]])
+        out["distance"] = rms(hole.distance(points)) / hole.diameter
+        some = slice(None, None, POINTS // NORMALS)
+        facets = facet_normals(vertices, faces)[hit[some]]
+        out["normals"] = rms(angle(facets, true_normals(hole, points[some], facets)))
+        if len(new):
+            out["vertices"] = rms(hole.distance(vertices[new])) / hole.diameter
+    return out
 
 
 def limit_normals(vertices, faces, where) -> np.ndarray:
@@ -106,17 +146,6 @@ def mean_curvature(vertices, faces) -> np.ndarray:
     out = np.full(len(vertices), np.nan)
     out[used] = ((1 + fy**2) * fxx - 2 * fx * fy * fxy + (1 + fx**2) * fyy) / (2 * (1 + fx**2 + fy**2) ** 1.5)
     return out
-
-
-def roughness(vertices, faces) -> float:
-    """Integral of the squared gradient of mean curvature, linear on each triangle."""
-    curvature = mean_curvature(vertices, faces)[faces]
-    corners = vertices[faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    doubled = np.maximum(np.linalg.norm(normals, axis=1), 1e-300)
-    opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
-    along = (curvature[:, :, None] * opposite).sum(1)  # the gradient is this, turned in the plane, over twice the area
-    return float(((along**2).sum(1) / doubled / 2).sum())
 
 
 def _fits(vertices, faces, where):
@@ -138,7 +167,7 @@ def _fits(vertices, faces, where):
             if len(around) > 20:
                 break
         by_count.setdefault(len(around), []).append((row, v, sorted(around - {v})))
-    guess = _vertex_normals(vertices, faces)
+    guess = vertex_normals(vertices, faces)
     normals, slopes = np.empty((len(where), 3)), np.empty((len(where), 5))
     for group in by_count.values():
         at, center, around = (np.array(part) for part in zip(*group))
@@ -168,7 +197,7 @@ def _fit(offsets, normals):
     return unit(normals - slopes[:, :1] * x_axes - slopes[:, 1:2] * y_axes), slopes / np.hstack([size**0] * 2 + [size] * 3)
 
 
-def _vertex_normals(vertices, faces):
+def vertex_normals(vertices, faces):
     """Angle-weighted."""
     corners = vertices[faces]
     normals = unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))

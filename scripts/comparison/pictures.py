@@ -1,4 +1,4 @@
-"""The pictures of docs/fairness.md: truth, two baselines and TriPatch, in reflection lines and in colors of mean curvature."""
+"""The pictures of docs/holebench.md: truth, two rivals and TriPatch, in reflection lines and in colors of mean curvature."""
 
 from __future__ import annotations
 
@@ -10,19 +10,18 @@ import numpy as np
 from gallery_pictures import render
 
 from . import metrics
-from .fairness import FILL, GRID, OURS, SMOOTH, nearest_baseline, short
 from .holes import Hole, unit
+from .page import OURS, TRUTH, over_ours, short
 
 SIZE = {"width": 300, "height": 290}
 COLOURS = matplotlib.colormaps["RdYlBu_r"]
 
 
-def chosen(result: dict) -> list[str]:
-    """The baseline whose points are nearest to the truth, and the nearest of another make."""
-    left = {name: figures for name, figures in result.items() if name not in (FILL, GRID, *SMOOTH)}
-    first = nearest_baseline(left, "points")[1]
-    second = nearest_baseline({name: f for name, f in left.items() if name.split(",")[0] != first.split(",")[0]}, "points")[1]
-    return [first, second]
+def chosen(made: dict, result: dict) -> list[str]:
+    """The rival whose points are nearest to the truth, and the nearest of another make."""
+    left = {name: result[name]["distance"] for name in made if name not in (OURS, TRUTH)}
+    order = sorted(left, key=left.get)
+    return [order[0], next(name for name in order if name.split(",")[0] != order[0].split(",")[0])]
 
 
 def view(hole: Hole) -> dict:
@@ -39,10 +38,10 @@ def view(hole: Hole) -> dict:
 
 
 def draw(path: Path, hole: Hole, made: dict, result: dict) -> None:
-    names = ["the truth", *chosen(result), OURS]
+    names = [TRUTH, *chosen(made, result), OURS]
     outside = metrics.mean_curvature(hole.vertices, hole.faces)
     inside = {name: metrics.mean_curvature(made[name].vertices, made[name].faces) for name in names}
-    known = np.concatenate([outside, inside["the truth"]])
+    known = np.concatenate([outside, inside[TRUTH]])
     known = known[np.isfinite(known)]
     middle, reach = np.median(known), max(np.ptp(known) / 2, 0.1 * np.abs(known).max())
     scale = matplotlib.colors.Normalize(middle - 1.5 * reach, middle + 1.5 * reach)
@@ -77,8 +76,22 @@ def draw(path: Path, hole: Hole, made: dict, result: dict) -> None:
         axes.axis("off")
         if row == 0:
             name = names[column]
-            axes.set_title(name if name == "the truth" else f"{name}: {short(result[name]['points'])}", fontsize=9, pad=4)
+            axes.set_title(name if name == TRUTH else f"{name}: {short(result[name]['distance'])}", fontsize=9, pad=4)
     axes = figure.add_axes(((4 * width + 12) / total[0], 40 / total[1], 12 / total[0], (height - 80) / total[1]))
     figure.colorbar(matplotlib.cm.ScalarMappable(scale, COLOURS), cax=axes).ax.tick_params(labelsize=7)
     axes.set_title("mean\ncurvature", fontsize=7, loc="left")
+    render.save_figure(path, figure, colors=None)
+
+
+def distances(path: Path, rows: list[dict], names: list[str]) -> None:
+    """For each program the distances of its fills over TriPatch's, hole by hole in order."""
+    figure, axes = plt.subplots(figsize=(9, 4.5), dpi=100)
+    for k, name in enumerate(names):
+        ratios = sorted(ratio for row in rows if (ratio := over_ours(row, name, "vertices")) is not None)
+        if ratios and name != OURS:
+            axes.plot(np.linspace(0, 100, len(ratios)), ratios, label=name, color=matplotlib.colormaps["tab20"](k), linewidth=1.3)
+    axes.axhline(1, color="black", linewidth=1)
+    axes.set(yscale="log", xlim=(0, 100), xlabel="holes, percent", ylabel="distance over TriPatch's")
+    axes.legend(fontsize=7, loc="upper left", ncols=2)
+    figure.tight_layout()
     render.save_figure(path, figure, colors=None)

@@ -7,7 +7,6 @@ the path of mannequin-devil.off among CGAL's data/meshes; where one is missing n
 from __future__ import annotations
 
 import os
-from types import SimpleNamespace
 
 import matplotlib
 
@@ -15,7 +14,8 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 import tripatch
-from comparison import baselines
+from comparison import rivals
+from comparison.holes import Hole
 from matplotlib.colors import LightSource
 from tripatch import files
 
@@ -55,8 +55,8 @@ def row(figure, rows, at, program, vertices, faces, rim, view, truth=None):
     near = faces[np.all((middle > low) & (middle < high), axis=1)]
     surface(figure, (rows, 5, 5 * at + 1), vertices, near, view, f"a rim of {len(rim)} edges")
     for continuity in (1, 2):
-        hole = SimpleNamespace(vertices=vertices, faces=faces, rim=np.array(rim))
-        made = baselines.program(program, continuity)(hole, None)
+        hole = Hole("", vertices, faces, np.array(rim))
+        made = rivals.program(program, continuity)(hole, None)
         whole, new = made.vertices, made.faces
         title = f"CGAL, continuity {continuity}{away(whole[len(vertices) :])}"
         surface(figure, (rows, 5, 5 * at + 1 + continuity), whole, np.vstack([near, new]), view, title, new)

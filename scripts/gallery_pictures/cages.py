@@ -7,9 +7,9 @@ import pathlib
 
 import numpy as np
 import tripatch
-from comparison import cages
 from tripatch import _arrays, _native
 
+from . import cage_shapes as cages
 from . import render
 
 LEVEL = 4

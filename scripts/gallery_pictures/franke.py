@@ -2,7 +2,7 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
-from comparison.page import provenance
+from comparison.page import measured_on, written_by
 from frankes_functions import DEGREE, FUNCTIONS, POINTS, errors, sides, surface, triangles
 
 from .methods import METHODS
@@ -38,7 +38,8 @@ def page(figures):
         f"degree {DEGREE} that meets the function at Chebyshev's points of the side; coons_extremal and coons_mask favor the",
         "third corner of each triangle.",
         "",
-        provenance("patches of three sides each, neither made fair nor scaled"),
+        written_by("gallery", measured_on()),
+        "Patches of three sides each, neither made fair nor scaled.",
         "",
     ]
     for title, which in (("Largest error", 0), ("Rms error", 1)):

@@ -31,7 +31,7 @@ def ribbon(side):
 
 def of_cage():
     """A cage with a fill of few quads in a corner of a rounded cube, and the fill's limit surface."""
-    from comparison.cages import cube_sphere
+    from .cage_shapes import cube_sphere
 
     cage = cube_sphere(6, 2, on_limit=False)
     fill = tripatch.fill(cage.vertices, cage.left, rim=cage.rim(), corners=cage.corners(), output="cage", resolution=0)
