@@ -297,3 +297,16 @@ def test_a_trimesh_whose_faces_share_no_vertices_is_filled_as_one_that_was_merge
     assert len(report.fills) == 1 and len(made.faces) == len(faces) + len(report.fills[0].faces)
     made.merge_vertices()
     assert not inner_loops(np.asarray(made.faces))
+
+
+def test_the_arrays_of_an_open3d_mesh_are_filled():
+    o3d = pytest.importorskip("open3d")
+    points, triangles = o3d.utility.Vector3dVector, o3d.utility.Vector3iVector
+    vertices, faces = sheet()
+    mesh = o3d.geometry.TriangleMesh(points(vertices), triangles(faces))
+    made, all_faces = tripatch.fill_holes(np.asarray(mesh.vertices), np.asarray(mesh.triangles))
+    assert all_faces.dtype == np.asarray(mesh.triangles).dtype
+    filled = o3d.geometry.TriangleMesh(points(made), triangles(all_faces))
+    assert len(filled.get_non_manifold_edges(allow_boundary_edges=False)) == 4 * N  # the outer border
+    with pytest.raises(TypeError, match="needs vertices and faces"):
+        tripatch.fill_holes(mesh)
