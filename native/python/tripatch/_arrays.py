@@ -136,17 +136,25 @@ def index_lists(value: Any) -> list[list[int]]:
 
 #: Odd numbers whose products spread over 64 bits: the golden ratio's and another's.
 _SPREADING = (0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F)
-_BLOCK = 1 << 16  # rows that caches hold
+_BLOCK = 3 << 15  # rows that caches hold, those of whole triangles
 
 
 def same_places(points: Array) -> tuple[Array, Array]:
-    """Rows (n, 3) that are equal as one. Returns the first row of each place, ascending, and for each row its place."""
-    count = len(points)
+    """Rows (n, 3), or (n, 3, 3) of triangles, that are equal as one. Returns the first row of each place, ascending, and for each
+    row its place."""
+    each = 1 if points.ndim == 2 else 3
+    count = each * len(points)
     blocks = [slice(k, min(k + _BLOCK, count)) for k in range(0, count, _BLOCK)]
     kind: Any = np.int32 if count < 2**31 else np.int64
 
     def bits(rows: Any) -> Array:
-        some = points[rows] + points.dtype.type(0)  # -0 is 0
+        if each == 1:
+            some = points[rows]
+        elif isinstance(rows, slice):
+            some = points[rows.start // 3 : rows.stop // 3]
+        else:
+            some = points[rows // 3, rows % 3]
+        some = some + points.dtype.type(0)  # -0 is 0
         return np.asarray(some.view(np.uint32 if points.dtype == np.float32 else np.uint64).reshape(-1, 3))
 
     low = np.uint64(max(count - 1, 1).bit_length())  # of a number: which row it is; above them a hash
@@ -175,7 +183,7 @@ def same_places(points: Array) -> tuple[Array, Array]:
         if all(np.array_equal(bits(first[place[block]]), bits(block)) for block in blocks):
             break
     else:  # what is not equal has one hash
-        _, first, place = np.unique(bits(slice(None)), axis=0, return_index=True, return_inverse=True)
+        _, first, place = np.unique(bits(slice(0, count)), axis=0, return_index=True, return_inverse=True)
         place = place.reshape(-1)
     by_use = np.argsort(first)
     rank = np.empty_like(by_use)

@@ -74,12 +74,12 @@ class StlFile(MeshFile):
                 held = (len(data) - 84) // 50
                 raise FileError(f"The file is no STL file, or it ends early: it announces {count} triangles and holds {held}")
             records = np.frombuffer(data, _STL_RECORD, count, 84)
-            corners = records["corners"].reshape(-1, 3)
+            corners = records["corners"]
             self._part_of = records["attribute"]
         else:
-            corners = self._read_text()
+            corners = self._read_text().reshape(-1, 3, 3)
         first, place = _arrays.same_places(corners)  # in the order of their first use
-        super().__init__(corners[first].astype(float), place.reshape(-1, 3))
+        super().__init__(corners[first // 3, first % 3].astype(float), place.reshape(-1, 3))
 
     def _read_text(self) -> Array:
         data = self._data
