@@ -21,10 +21,10 @@ import tripatch
 from tripatch.files import read
 
 KINDS = {".obj", ".off", ".ply", ".stl", ".vtk"}
-MOST_EDGES = 200
-MOST_FACES = 50_000  # larger meshes cost the time of many
-MOST_AT_ONCE, RINGS_BETWEEN = 8, 3
-MOST_CROSSED = 400  # triangles of a fill that are compared, each with each
+MAX_EDGES = 200
+MAX_FACES = 50_000  # larger meshes cost the time of many
+MAX_AT_ONCE, RINGS_BETWEEN = 8, 3
+MAX_CROSSED = 400  # triangles of a fill that are compared, each with each
 TOUCHING = 1e-6  # of the fill's size: what passes by less touches, as seams that lie upon each other do
 
 
@@ -57,7 +57,7 @@ def taken_out(faces, rng):
         return some | {g for f in some for v in faces[f] for g in at[v]}
 
     gone, taken = set(), set()
-    for _ in range(MOST_AT_ONCE):
+    for _ in range(MAX_AT_ONCE):
         part = {int(rng.integers(len(faces)))}
         for _ in range(int(rng.integers(0, 5))):
             part = wider(part)
@@ -97,7 +97,7 @@ def of_fill(vertices, fill, before):
     # not along sides that are left free, as those where the mesh meets the hole at an angle are
     tangent = [a for a, c in zip(fill.report.seam_angle_max_by_side, fill.report.continuity) if c in ("G1", "G2")]
     row |= {"seam": max(tangent, default=0), "crossing": "", "reason": fill.report.method_reason}
-    if len(triangles) <= MOST_CROSSED:
+    if len(triangles) <= MAX_CROSSED:
         row["crossing"] = int(crosses(np.concatenate([vertices, fill.vertices]), triangles))
     return row
 
@@ -116,14 +116,14 @@ def holes_of(path, rng, most):
     """Rows: of the mesh's own holes, then of such as are cut."""
     mesh = read(path)
     faces = [[int(v) for v in face] for face in mesh.faces]
-    if not 0 < len(faces) <= MOST_FACES:
+    if not 0 < len(faces) <= MAX_FACES:
         return
     count, own = 0, set()
     for cut in range(1 + most):
         left = taken_out(faces, rng) if cut else faces
         before, given = directed(left), as_given(left)
         found = tripatch.choose_holes(mesh.vertices, given)  # not the borders of pieces that a cut has left
-        rims = [rim for rim in found if len(rim) <= MOST_EDGES and tuple(rim) not in own]
+        rims = [rim for rim in found if len(rim) <= MAX_EDGES and tuple(rim) not in own]
         own |= {tuple(rim) for rim in rims} if not cut else set()
         for rim in rims[: most - count]:
             yield {"mesh": path.name, "cut": cut > 0} | fill_one(mesh.vertices, given, rim, before)

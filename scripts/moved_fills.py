@@ -19,7 +19,7 @@ from random_holes import closed_mesh, hole_size, turned, wavy_hole, with_hole
 
 SIDES = (0, 2, 3, 4, 5, 6, 7, 8)
 SMALL, LARGE = 1e-7, 1e-3  # of the hole
-MOST_ROWS = 5000  # of two sets of points, of which every distance is taken
+MAX_ROWS = 5000  # of two sets of points, of which every distance is taken
 
 
 def arguments():
@@ -71,7 +71,7 @@ def filled(points, faces, rim, output):
 
 def apart(a, b):
     """The farthest that a point of either set is from the other."""
-    if not len(a) or not len(b) or len(a) * len(b) > MOST_ROWS**2:
+    if not len(a) or not len(b) or len(a) * len(b) > MAX_ROWS**2:
         return np.inf
     gaps = np.linalg.norm(a[:, None] - b, axis=2)
     return max(gaps.min(axis=0).max(), gaps.min(axis=1).max())

@@ -159,13 +159,13 @@ def uv_charts(bm, ends, blend, positions, faces):
 
     positions (r + k, 3): of the rim and the vertices inside; faces: of places in it.
     """
-    found, beside, places = {}, [list(loop.face.loops) for loop in ends[::2]], None
+    found, adjacent, places = {}, [list(loop.face.loops) for loop in ends[::2]], None
     for kind, name, layer in _layers(bm.loops.layers, ("uv",)):
         at_ends = np.array([read(loop[layer], kind) for loop in ends], dtype=np.float64)
         if charts.seams_at(at_ends, np.roll(np.arange(len(ends) // 2), -1)).sum() < 2:
             continue  # no seam, or one that ends here and has nowhere to go
-        places = places or [coordinates([loop.vert for loop in loops]) for loops in beside]
-        uvs = [np.array([read(loop[layer], kind) for loop in loops], dtype=np.float64) for loops in beside]
+        places = places or [coordinates([loop.vert for loop in loops]) for loops in adjacent]
+        uvs = [np.array([read(loop[layer], kind) for loop in loops], dtype=np.float64) for loops in adjacent]
         values = charts.continue_corners(positions, faces, at_ends, list(zip(places, uvs, strict=True)), blend)
         found[name] = [uv.tolist() for face in values or () for uv in face]
     return found

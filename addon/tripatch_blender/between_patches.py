@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
-from . import beside, filling, library, panel, properties, selection, sentences, waiting
+from . import filling, library, limit_objects, panel, properties, selection, sentences, waiting
 from .construction import Construction
 from .library import np, tripatch, words
 from .properties import OPTIONS
@@ -49,14 +49,14 @@ def _surface(ob, spline, matrix):
     """A tripatch.NurbsSurface in world space, and where Blender draws it along u and v, from 0 to 1."""
     m, n = spline.point_count_u, spline.point_count_v
     if m < 2 or n < 2:
-        raise UnusableError(f"{ob.name} holds a curve, not a surface")
+        raise UnusableError("curve_not_surface", name=ob.name)
     points = np.empty(4 * m * n, np.float32)
     spline.points.foreach_get("co", points)
     points = points.reshape(n, m, 4).transpose(1, 0, 2).astype(np.float64)
     if not np.isfinite(points).all():
-        raise UnusableError(f"{ob.name} has points that are not finite")
+        raise UnusableError("points_not_finite", name=ob.name)
     if not (points[..., 3] > 0).all():
-        raise UnusableError(f"{ob.name} has points with weights of zero or below")
+        raise UnusableError("weights_not_positive", name=ob.name)
     axes, drawn = [], []
     for k, name in enumerate("uv"):
         order, endpoint, bezier, cyclic, resolution = (
@@ -70,14 +70,14 @@ def _surface(ob, spline, matrix):
             count += order - 1
             points = np.concatenate([points, points.take(range(order - 1), axis=k)], axis=k)
         if not axis[count] > axis[order - 1]:
-            raise UnusableError(f"{ob.name} has too few points in {name.upper()} for its order; Blender does not draw it either")
+            raise UnusableError("too_few_points", name=ob.name, axis=name.upper())
         axes.append(axis)
         drawn.append(drawn_at(axis[order - 1], axis[count], edges))
     world = points[..., :3] @ matrix[:3, :3].T + matrix[:3, 3]
     try:
         return tripatch.NurbsSurface(world, points[..., 3], *axes), drawn
     except ValueError as reason:
-        raise UnusableError(f"{ob.name}: {reason}") from None
+        raise UnusableError("of_object", name=ob.name, reason=getattr(reason, "said", str(reason))) from None
 
 
 def _surface_edges(ob):
@@ -87,7 +87,7 @@ def _surface_edges(ob):
     of = ob.evaluated_get(bpy.context.evaluated_depsgraph_get())
     made = of.to_mesh()
     if made is None or not len(made.vertices):
-        raise UnusableError(f"{ob.name} has points that do not suit its order and knots; Blender does not draw it either")
+        raise UnusableError("knots_unsuitable", name=ob.name)
     of.to_mesh_clear()
     found, refused = [], []
     for spline in ob.data.splines:
@@ -103,7 +103,7 @@ def _surface_edges(ob):
                 refused.append(refusal)
     if not found:
         flat = next((refusal for refusal in refused if refusal.code == "surface_flat_to_line"), None)
-        raise UnusableError(flat or f"{ob.name} is closed: it has no edge that could be a side of a hole")
+        raise UnusableError.of(flat.said) if flat else UnusableError("surface_closed", name=ob.name)
     return found
 
 
@@ -119,13 +119,13 @@ def _mesh_borders(ob):
     everything = all(v.select for v in mesh.vertices)  # as in a mesh that was just made: nothing is meant by it
     of.to_mesh_clear()
     if not np.isfinite(points).all():
-        raise UnusableError(f"{ob.name} has vertices that are not finite")
+        raise UnusableError("object_vertices_not_finite", name=ob.name)
     if np.linalg.det(matrix[:3, :3]) < 0:
         faces = [face[::-1] for face in faces]
     world = points.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
     loops = [loop.tolist() for loop in tripatch.find_holes(faces)] if faces else []
     if not loops:
-        raise UnusableError(f"{ob.name} has no border that could be a side of a hole")
+        raise UnusableError("object_without_border", name=ob.name)
     marked = [[frozenset(pair) in selected for pair in selection.pairs(loop)] for loop in loops]
     some = not everything and any(map(any, marked))
     found = []
@@ -141,11 +141,17 @@ def _mesh_borders(ob):
 
 
 def seam(report):
-    """What is said of the seam: of sides that are met in tangent planes, if there are such."""
+    """Parameters of a message on the seam: of sides that are met in tangent planes, if there are such."""
     angles = report.seam_angle_max_by_side
     kept = [angle for angle, met in zip(angles, report.continuity, strict=True) if met not in ("Free", "G0")]
     angle = words.degrees(max(kept or angles))
-    return f"seam within {angle}" if kept else f"met in position only, at angles up to {angle}"
+    return {"seam" if kept else "angle": angle}
+
+
+def met(names, gap, tolerance, report):
+    """Parameters of a message on edges of objects that meet."""
+    *others, last = names
+    return {"names": others, "last": last, "gap": gap, "tolerance": tolerance} | seam(report)
 
 
 def selected(context):
@@ -182,7 +188,7 @@ def curves_of(objects):
 def put(mesh, points, faces, like):
     """Makes a mesh these smooth triangles, with the materials of another."""
     mesh.clear_geometry()
-    beside.take_materials(mesh, like)
+    limit_objects.take_materials(mesh, like)
     mesh.from_pydata(points.tolist(), [], faces.tolist())
     mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
 
@@ -257,11 +263,11 @@ class OBJECT_OT_fill_between_patches(FromEdges, Construction, waiting.Waiting, b
 
     @classmethod
     def poll(cls, context):
-        if not library.poll(cls, context, "OBJECT", "Works in object mode"):
+        if not library.poll(cls, context, "OBJECT", "needs_object_mode"):
             return False
         objects = selected(context)
-        if not 2 <= len(objects) <= filling.MOST_SIDES:
-            cls.poll_message_set("Select two to twelve surface or mesh objects, with an edge of each around the hole")
+        if not 2 <= len(objects) <= filling.MAX_SIDES:
+            cls.poll_message_set(sentences.said("needs_two_to_twelve_objects"))
             return False
         return True
 
@@ -292,7 +298,7 @@ class OBJECT_OT_fill_between_patches(FromEdges, Construction, waiting.Waiting, b
             mesh, made = mesh_between(objects, **between)
         except (tripatch.Refusal, ValueError) as reason:  # and UnusableError, InvalidArgument
             return self.refuse(reason)
-        waiting.goes_on()
+        waiting.must_finish()
         if not between["resolution"]:
             self.resolution, self.computed_resolution = made.edges, made.edges or -1
         new = bpy.data.objects.new("Fill", mesh)
@@ -309,11 +315,8 @@ class OBJECT_OT_fill_between_patches(FromEdges, Construction, waiting.Waiting, b
             following.begin(new)
         names = list(dict.fromkeys(curve.name for curve in made.loop.curves))
         self.sides = len(made.sides)
-        met = f"ends meet within {max(made.loop.gaps):.2g} (tolerance {self.tolerance:.2g}, scene units), "
-        message = (
-            f"Filled the {'ring' if made.loop.ring else 'hole'} between {', '.join(names[:-1])} and {names[-1]}; "
-            f"{'' if made.loop.ring else met}{seam(made.patch.report)}"
-        )
+        code = "ring_filled_between" if made.loop.ring else "hole_filled_between"
+        message = sentences.said(code, **met(names, max(made.loop.gaps), self.tolerance, made.patch.report))
         notes = [sentences.for_people(note) for note in made.notes]
         self.report({"WARNING" if notes else "INFO"}, ". ".join([message, *notes[:2]]))
         return {"FINISHED"}

@@ -39,10 +39,10 @@ class OBJECT_OT_blend_three_patches(between_patches.FromEdges, bpy.types.Operato
 
     @classmethod
     def poll(cls, context):
-        if not library.poll(cls, context, "OBJECT", "Works in object mode"):
+        if not library.poll(cls, context, "OBJECT", "needs_object_mode"):
             return False
         if len(between_patches.selected(context)) != 3:
-            cls.poll_message_set("Select three surface or mesh objects, with an edge of each around the hole")
+            cls.poll_message_set(sentences.said("needs_three_objects"))
             return False
         return True
 
@@ -85,10 +85,8 @@ class OBJECT_OT_blend_three_patches(between_patches.FromEdges, bpy.types.Operato
         context.view_layer.objects.active = new
         live.keep_blend(new, objects, made, shape=made.shape, **given)
         following.begin(new)
-        message = (
-            f"Blended {made.names[0]}, {made.names[1]} and {made.names[2]}; ends meet within {made.gap:.2g} "
-            f"(tolerance {self.tolerance:.2g}, scene units), {between_patches.seam(made.report)}"
-        )
+        met = between_patches.met(made.names, made.gap, self.tolerance, made.report)
+        message = sentences.said("patches_blended", **met)
         notes = [sentences.for_people(note) for note in made.notes]
         self.report({"WARNING" if notes else "INFO"}, ". ".join([message, *notes[:2]]))
         return {"FINISHED"}
@@ -222,7 +220,7 @@ class VIEW3D_PT_tripatch_blend(bpy.types.Panel):
         column = self.layout.column(align=True)
         for i in range(3):
             column.prop(ob, "tripatch_lambda", index=i, text=_between(names, i), slider=True)
-        panel.sentence(self.layout, context, "0: the first surface counts, 1: the second. Fairing is off here")
+        panel.sentence(self.layout, context, sentences.said("lambda_scale"))
         if live.problem_of(ob):
             panel.sentence(self.layout, context, live.problem_of(ob))
 

@@ -47,5 +47,5 @@ def mesh_of(objects, tolerance, resolution, method, shape, mesh=None):
         shape=list(patch.shape),  # pyright: ignore[reportAttributeAccessIssue]
         middles=patch.evaluate((1 - np.eye(3)) / 2).tolist(),
         report=patch.report,
-        notes=[str(each.message) for each in told],
+        notes=[each.message.args[0] for each in told if isinstance(each.message, Warning)],
     )

@@ -11,7 +11,7 @@ import sys
 import bmesh
 import bpy
 
-from . import beside, filling, layers, library, mirrored, records, selection, subdivision, versions, writeback
+from . import filling, layers, library, limit_objects, mirrored, records, selection, subdivision, versions, writeback
 from .library import arguments as by_table
 from .library import tripatch
 from .properties import OPTIONS
@@ -19,11 +19,13 @@ from .properties import OPTIONS
 EXIT_ALL, EXIT_NONE, EXIT_USAGE, EXIT_SOME = 0, 1, 2, 3
 
 _EPILOG = """\
-Exit status: 0 all filled, or nothing to fill (OUT is a copy); 3 some were refused, fold more than their rims do or cross
-themselves, OUT is written; 1 nothing filled, OUT is not written; 2 bad usage."""
+Exit status: 0 all filled, or nothing to fill (OUT is a copy); 3 some were refused, fold more than their boundaries do or
+cross themselves, OUT is written; 1 nothing filled, OUT is not written; 2 bad usage."""
 
 #: The options of the library's table; the modifier and the mesh say the others.
 _OPTIONS = {name: option for name, option in OPTIONS.items() if name not in ("subdivision", "level", "replaced")}
+#: Why an object of several has nothing that is meant.
+_NONE_MEANT = ("holes_hidden", "all_boundaries_hidden", "holes_filtered")
 _METHOD = "auto"  # unless another is asked for, as in the operator and in the library
 
 
@@ -36,7 +38,7 @@ def _parser(prog):
     parser.add_argument("--add-modifier", action="store_true", help="cage: give the object a Subdivision modifier if it has none")
     for option in _OPTIONS.values():
         by_table.add(parser, option)
-    parser.add_argument("--corner-offset", type=int, default=0, help="slide the corners along the rim by so many vertices")
+    parser.add_argument("--corner-offset", type=int, default=0, help="slide the corners along the boundary by so many vertices")
     parser.add_argument("--shading", choices=["neighbors", "smooth", "flat"], default="neighbors")
     parser.add_argument("--deviation", action="store_true", help="write how well new vertices are known as attributes")
     parser.add_argument("--report", metavar="FILE.json")
@@ -49,7 +51,7 @@ def _objects(names):
         for name in names:
             ob = bpy.context.scene.objects.get(name)
             if ob is None or ob.type != "MESH":
-                raise _UsageError(f"there is no mesh object '{name}' in the scene '{bpy.context.scene.name}'")
+                raise _UsageError("no_such_object", name=name, scene=bpy.context.scene.name)
         objects = [bpy.context.scene.objects[name] for name in names]
     else:
         objects = [ob for ob in bpy.context.scene.objects if ob.type == "MESH"]
@@ -62,11 +64,14 @@ def _objects(names):
 class _UsageError(Exception):
     """A mistake in the command, not in a mesh."""
 
+    def __init__(self, code, **parameters):
+        super().__init__(tripatch.Message(code, parameters))
+
 
 def _vertices(bm, numbers, option):
     for number in numbers:
         if not 0 <= number < len(bm.verts):
-            raise _UsageError(f"--{option} names vertex {number}; the mesh has {len(bm.verts)} vertices")
+            raise _UsageError("no_such_vertex", option=f"--{option}", vertex=number, count=len(bm.verts))
     return [bm.verts[number] for number in numbers]
 
 
@@ -85,13 +90,13 @@ def _chosen(bm, matrix, arguments):
     try:
         loops = tripatch.choose_holes(*mesh, **chosen)
     except tripatch.Refusal as refusal:
-        raise selection.UnusableError(refusal) from None
+        raise selection.UnusableError.of(refusal.said) from None
     outer = [] if chosen.get("outer") else tripatch.outer_borders(*mesh)
     found = [{frozenset(loop.tolist()) for loop in each} for each in (loops, outer)]
     every = selection.all_rims(bm)
     rims, left = ([rim for rim in every if frozenset(v.index for v in rim.loop) in each] for each in found)
     if not rims and len(left) < len(every):
-        raise selection.UnusableError("All holes were excluded by your filters", code="filtered")
+        raise selection.UnusableError("holes_filtered", count=len(every) - len(left))
     return rims, left
 
 
@@ -112,7 +117,7 @@ def _rims_meant(bm, matrix, arguments):
         loops = selection.border_loops(v for v in corners if v.is_boundary)
         around = [loop for loop in loops if set(corners) <= set(loop)]
         if len(around) != 1:
-            raise selection.UnusableError("The three corners do not lie on one border of the mesh")
+            raise selection.UnusableError("corners_not_on_one_border")
         return [selection.Rim(around[0], corners=corners)], []
     return _chosen(bm, matrix, arguments) if arguments.all else filling.open_holes(bm, matrix)
 
@@ -137,7 +142,7 @@ def _fill(ob, arguments, options):
     """The Outcome for one object."""
     mesh = ob.data
     if ob.library or mesh.library or mesh.override_library:
-        raise selection.UnusableError(f"The mesh '{mesh.name}' is linked from another file; make it local first")
+        raise selection.UnusableError("mesh_linked", name=mesh.name)
     matrix = filling.world_matrix(ob.name, ob.matrix_world)
     with layers.mesh_standing_aside(mesh):
         return _fill_mesh(ob, matrix, arguments, options)
@@ -157,7 +162,7 @@ def _fill_rims(ob, bm, matrix, arguments, options):
     mesh = ob.data
     if options.arguments["surroundings"] == "limit":
         rims, left = _rims(bm, matrix, arguments)
-        outcome = beside.fill_rims(ob, bm, matrix, rims, options)[0]
+        outcome = limit_objects.fill_rims(ob, bm, matrix, rims, options)[0]
         outcome.left_open = [len(rim.loop) for rim in left]
         return outcome
     keys = mesh.shape_keys
@@ -173,7 +178,7 @@ def _fill_rims(ob, bm, matrix, arguments, options):
         found = _rims(bm, matrix, arguments)
         rims, left = ([rim for rim in each if not mirrored.is_joined(ob, rim)] for each in found)
         if named and not rims:
-            raise selection.UnusableError(mirrored.JOINED)
+            raise selection.UnusableError("mirror_joins_boundary")
     except selection.UnusableError:
         if not halves.reports and not halves.refused:
             raise
@@ -198,23 +203,23 @@ def _run(arguments):
         try:
             bpy.ops.wm.open_mainfile(filepath=os.path.abspath(arguments.file))
         except RuntimeError as error:
-            raise _UsageError(str(error).strip()) from None
+            raise ValueError(str(error).strip()) from None
     if not bpy.data.filepath:
-        raise _UsageError("no .blend is open")
+        raise _UsageError("no_file_open")
     if not os.path.isdir(os.path.dirname(os.path.abspath(arguments.out))):
-        raise _UsageError(f"the folder of '{arguments.out}' does not exist")
+        raise _UsageError("folder_missing")
     objects = _objects(arguments.object)
     if (hasattr(arguments, "rim") or getattr(arguments, "corners", [])) and len(objects) != 1:
-        raise _UsageError("--rim and --corners need one --object")
+        raise _UsageError("one_object_needed")
     if getattr(arguments, "method", _METHOD) not in filling.ANY_RIM and len(getattr(arguments, "corners", (0,) * 3)) != 3:
-        raise _UsageError("--corners: three are needed, but for --method auto and polyharmonic_spline")
+        raise _UsageError("three_corners_named")
     for name in _given(arguments, "choose_holes"):
         if not arguments.all:
-            raise _UsageError(f"--{name.replace('_', '-')} goes with --all")
+            raise _UsageError("option_needs_all", option=f"--{name.replace('_', '-')}")
     if bpy.context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
 
-    total, reports, advice = filling.Outcome(), [], "use --outer" if arguments.all else "use --all --outer"
+    total, reports, option = filling.Outcome(), [], "--outer" if arguments.all else "--all --outer"
     filtered = False
     for ob in objects:
         try:
@@ -223,12 +228,12 @@ def _run(arguments):
             total.left_open += reason.left
             continue
         except selection.UnusableError as reason:
-            filtered |= reason.code == "filtered"
-            if reason.code in ("hidden", "filtered") and not arguments.object:
+            filtered |= reason.code == "holes_filtered"
+            if reason.code in _NONE_MEANT and not arguments.object:
                 continue
             outcome = filling.Outcome(refused=[filling.Refused(reason.said)])
         if outcome.reports:
-            print(f"{ob.name}: {outcome.sentence(advice)}")
+            print(f"{ob.name}: {outcome.sentence(option)}")
         for sentence in outcome.notes:
             print(f"{ob.name}: {sentence}")
         refused = [each.sentence for each in outcome.refused]
@@ -244,7 +249,7 @@ def _run(arguments):
     if (total.refused or filtered) and not total.reports:
         return EXIT_NONE
     if not total.reports:
-        print(selection.NothingToFill(total.left_open, advice=advice))
+        print(selection.NothingToFill(total.left_open, option=option))
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(arguments.out), copy=True)
     flawed = any(
         report.triangles_folded > report.rim_folded or report.crosses_itself or "none" in report.continuity

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from bpy.props import BoolProperty, StringProperty
 
-from . import filling, library, panel, properties
+from . import filling, library, panel, properties, sentences
 from .properties import OPTIONS
 
 #: Options that may be absent and whose numbers leave no room to say so: the property that says it, and what it says.
@@ -46,15 +46,8 @@ def _of_methods(option):
 
 #: The folded parts of panels, where Blender cannot fold them itself.
 _FOLDED = ("holes", "sides", "subdivision", "advanced", "papers", "candidates", "choice")
-#: Why the fill follows no such option, by the library's codes.
-_WHY = {
-    "sides": "only between smooth sides, and this hole has none",
-    "three_sides": "only with three sides",
-    "position": "only where a side is met tangentially",
-    "fairing": "only with Fairing: On",
-    "vertices": "this fill has no vertices to move",
-    "cage": "the cage of this hole would fold or cross itself",
-}
+#: The library's codes for why a fill follows no such option, of which each has a message.
+_WHY = ("sides", "three_sides", "position", "fairing", "vertices", "cage")
 
 
 def _declared():
@@ -67,7 +60,7 @@ def _declared():
         else:
             made[option.name] = properties.of(option, **({"default": option.default or "none"} if option.none else {}))
             if option.by_side:
-                for i in range(filling.MOST_SIDES):
+                for i in range(filling.MAX_SIDES):
                     made[f"{option.name}_{i}"] = properties.of(option, name=f"Side {i + 1}")
     made["not_applied"] = StringProperty(options={"HIDDEN", "SKIP_SAVE"})  # of the last fills: "option:code option:code ..."
     made["individual"] = BoolProperty(
@@ -126,7 +119,7 @@ class Construction:
         for name, label in labels.items():
             if (code := self.why_not(name)) in _WHY:
                 said.setdefault(code, []).append(label)
-        row.reasons(f"{', '.join(names)}: {_WHY[code]}" for code, names in said.items())
+        row.reasons(sentences.said(f"inactive_{code}", options=names) for code, names in said.items())
 
     def shape_rows(self, row):
         """How the fill meets its surroundings and what shape it takes."""
@@ -145,7 +138,7 @@ class Construction:
         has_sides = self.keeps_tangents() and not self.why_not("corners")
         row("individual", active=has_sides)
         if self.individual and self.keeps_tangents():
-            for i in range(min(self.sides, filling.MOST_SIDES)):
+            for i in range(min(self.sides, filling.MAX_SIDES)):
                 row(f"continuity_{i}", active=has_sides)
                 if self._has("bulge"):
                     tangent = getattr(self, f"continuity_{i}") not in ("Free", "G0")
@@ -169,7 +162,7 @@ class Construction:
                 row(switch)
                 row(name, active=getattr(self, switch) == on)
                 if name == "shape" and self.fairing != "none":
-                    row.reasons(["With Fairing, Lambda moves the fill by 0.3% of its size at most. Set Fairing: Off to see it"])
+                    row.reasons([sentences.said("lambda_with_fairing")])
             elif name == "cross_boundary":
                 tangent = self.individual or self.continuity not in ("Free", "G0")
                 row(name, active=tangent and not self.why_not(name))
@@ -182,7 +175,7 @@ class Construction:
 
     def _each(self, name):
         """A value a side, for a hole of however many sides."""
-        return filling.BySide([getattr(self, f"{name}_{i}") for i in range(filling.MOST_SIDES)])
+        return filling.BySide([getattr(self, f"{name}_{i}") for i in range(filling.MAX_SIDES)])
 
     def continuities(self):
         """One, or a BySide."""
@@ -202,7 +195,7 @@ class Construction:
         """Whether a script has set an option, which the panel may not show: the library says what it makes of it."""
         names = [option.name, *_SWITCHES.get(option.name, ())[:1]]
         if self.individual and option.name in ("continuity", "bulge"):
-            names += [f"{option.name}_{i}" for i in range(filling.MOST_SIDES)]
+            names += [f"{option.name}_{i}" for i in range(filling.MAX_SIDES)]
         return not self.by_hand and any(map(self.properties.is_property_set, names))
 
     def construction(self):

@@ -24,7 +24,7 @@ def mixed(mesh):
     if not keys or not keys.key_blocks:
         return read(mesh.vertices)
     if not keys.use_relative:
-        raise UnusableError("Shape keys that are absolute cannot be followed; make them relative")
+        raise UnusableError("shape_keys_absolute")
     shapes = {key.name: read(key.data) for key in keys.key_blocks}
     positions = shapes[keys.reference_key.name].copy()
     for key in keys.key_blocks:

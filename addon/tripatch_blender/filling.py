@@ -25,7 +25,7 @@ class Options:
     record: dict = field(default_factory=dict)  # what Edit Fill needs to make the fill again
 
 
-def going_on(corners):
+def matching_faces(corners):
     """What holes are filled with where a person has not chosen, as arguments of tripatch.fill: with what they lie among. corners:
     as selection.next to counts them."""
     if not corners or corners[3] > corners[4]:
@@ -37,11 +37,11 @@ def going_on(corners):
 #: Of a hole's diameter: the tolerance of quads and cages where none is given, as the library's option says.
 TOLERANCE = 1e-3
 #: A panel has rows for so many sides.
-MOST_SIDES = 12
+MAX_SIDES = 12
 
 
 class BySide(tuple):
-    """MOST_SIDES values, for the sides that a hole has; how many shows when its corners are found."""
+    """MAX_SIDES values, for the sides that a hole has; how many shows when its corners are found."""
 
 
 def for_sides(arguments, count):
@@ -86,7 +86,7 @@ class Outcome:
     rim_edges: list = field(default_factory=list)  # of each filled hole
     diameters: list = field(default_factory=list)  # likewise, in the world
     cage_rim: str = ""  # of fills that are cages
-    beside: list = field(default_factory=list)  # names of objects made
+    objects: list = field(default_factory=list)  # names of objects made
     live: list = field(default_factory=list)  # names of live fills made
     instead: bool = False  # others than were asked for
     left_out: list = field(default_factory=list)  # names of options that were set, and that cages were made without
@@ -101,7 +101,7 @@ class Outcome:
         self.rim_edges += other.rim_edges
         self.diameters += other.diameters
         self.cage_rim = other.cage_rim or self.cage_rim
-        self.beside += other.beside
+        self.objects += other.objects
         self.live += other.live
         self.instead = self.instead or other.instead
         self.left_out += other.left_out
@@ -125,17 +125,17 @@ class Outcome:
         sides = [(r.method == "multi_sided" and len(r.corners)) or 3 for r in self.reports]
         return max((max(1, round(n / k)) for n, k in zip(self.rim_edges, sides, strict=True)), default=None)
 
-    def sentence(self, advice=selection.USE_OUTER):
+    def sentence(self, option=selection.OUTER):
         """'Filled 2 holes; seam within 0.3°'"""
         said = words.filled(
             self.reports,
             cage_rim=self.cage_rim,
             quads=self.faces,
             triangles=self.triangles,
-            limit=bool(self.beside),
-            into=self.beside + self.live,
+            limit=bool(self.objects),
+            into=self.objects + self.live,
         )
-        return "; ".join(filter(None, (said, words.left_open(self.left_open, advice))))
+        return "; ".join(filter(None, (said, words.left_open(self.left_open, option))))
 
 
 #: Condition of an object's matrix from which on float32, in which Blender has it, leaves no digit of its inverse.
@@ -146,7 +146,7 @@ def world_matrix(name, matrix):
     """The (4, 4) array of an object's matrix; UnusableError if it cannot be inverted."""
     world = np.array(matrix, dtype=np.float64)
     if not np.isfinite(world).all() or not np.linalg.cond(world[:3, :3]) < SCALED_TO_NOTHING:
-        raise UnusableError(f"{name} has a scale of zero along an axis; Sidebar (N) > Item shows it")
+        raise UnusableError("scale_zero", name=name)
     return world
 
 
@@ -223,7 +223,7 @@ def _planned(bm, rim, world, fill, count):
     planned.moved = list(zip([vertex[v] for v in fill.moved[0].tolist()], own.points(fill.moved[1]), strict=True))
     obstacle = writeback.obstacle(bm, planned)
     if obstacle:
-        raise tripatch.Refusal(obstacle, [])
+        raise tripatch.Refusal.of(obstacle)
     return planned
 
 
@@ -546,13 +546,13 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
     if cages:
         outcome.cage_rim = options.arguments.get("cage_rim", "smooth")
         if outcome.cage_rim == "exact" and modifier is not None and not modifier.use_creases:
-            raise UnusableError(f"Cage Rim: Exact creases the rim, and the modifier '{modifier.name}' does not use creases")
+            raise UnusableError("exact_needs_creases", modifier=modifier.name)
     # What one rim replaces would be missing around another that it touches; cages are fitted to what cages before have changed.
     apart = cages or any(rim.replaced for rim in rims)
     planned, loops, said = [], [], []
     for group in _clear_of_each_other(rims) if apart else [rims]:
         usable = [rim for rim in group if all(element.is_valid for element in (*rim.vertices, *rim.replaced))]
-        outcome.refused += [Refused("A fill before has replaced a part of this rim")] * (len(group) - len(usable))
+        outcome.refused += [Refused(tripatch.Message("boundary_replaced"))] * (len(group) - len(usable))
         if not usable:
             continue
         plans = _plan_group(bm, usable, matrix, options, active_shape, cages, modifier if cages else None)
@@ -587,9 +587,6 @@ def diameter(loop, matrix):
     """Of a hole, in the world: the largest distance of two vertices of its rim."""
     points = selection.coordinates(loop) @ matrix[:3, :3].T
     return float(max(np.linalg.norm(points - p, axis=1).max() for p in points))
-
-
-OTHERS_HIDDEN = "The mesh has no visible hole; Mesh > Show/Hide > Reveal Hidden shows the others"
 
 
 def mesh_arrays(bm, matrix):
@@ -667,13 +664,9 @@ def open_holes(bm, matrix, filters=None):
     if not every:
         hidden = any(e.is_boundary and e.hide for v in selection.border_vertices(bm) for e in v.link_edges)
         if hidden:
-            raise UnusableError(
-                OTHERS_HIDDEN if left else "All boundaries are hidden; use Show/Hide > Reveal Hidden",
-                code="hidden",
-            )
+            raise UnusableError("holes_hidden" if left else "all_boundaries_hidden")
         raise NothingToFill([len(rim.loop) for rim in left], [v for rim in left for v in rim.loop])
     rims = filtered(bm, matrix, every, filters)
     if not rims:
-        said = f"All {len(every)} holes were" if len(every) > 1 else "The hole was"
-        raise UnusableError(f"{said} excluded by your filters", [v for rim in every for v in rim.loop])
+        raise UnusableError("holes_filtered", [v for rim in every for v in rim.loop], count=len(every))
     return rims, left

@@ -176,7 +176,7 @@ def follow(name):
         return False
     except Exception:  # the last fill stays
         traceback.print_exc()
-        live.say(fill, "It could not be filled; see the system console")
+        live.say(fill, sentences.said("live_fill_failed"))
         return False
     return True
 

@@ -35,7 +35,7 @@ def group():
     start, end = node("NodeGroupInput", -600, 0), node("NodeGroupOutput", 600, 0)
     fill = node("GeometryNodeObjectInfo", -400, -100, transform_space="ORIGINAL")
     join, merge = node("GeometryNodeJoinGeometry", -100, 0), node("GeometryNodeMergeByDistance", 400, 0)
-    beside = node("GeometryNodeInputMeshEdgeNeighbors", -400, -400)
+    adjacent = node("GeometryNodeInputMeshEdgeNeighbors", -400, -400)
     one = node("FunctionNodeCompare", -200, -400, data_type="INT", operation="EQUAL")
     border = node("GeometryNodeFieldOnDomain", 100, -300, domain="EDGE", data_type="BOOLEAN")
     link = made.links.new
@@ -45,7 +45,7 @@ def group():
     link(join.outputs[0], merge.inputs["Geometry"])
     link(start.outputs["Distance"], merge.inputs["Distance"])
     compared = [s for s in one.inputs if s.enabled]
-    link(beside.outputs["Face Count"], compared[0])
+    link(adjacent.outputs["Face Count"], compared[0])
     compared[1].default_value = 1  # pyright: ignore[reportAttributeAccessIssue]
     link(one.outputs[0], next(s for s in border.inputs if s.enabled))
     link(next(s for s in border.outputs if s.enabled), merge.inputs["Selection"])
@@ -90,9 +90,7 @@ def join(ob, fill, distance):
     if before is not None:
         name = before.name
         ob.modifiers.remove(modifier)
-        raise UnusableError(
-            f"The modifier '{name}' of {ob.name} must be the first, so no live fill can be joined before it; turn off Keep Live"
-        )
+        raise UnusableError("modifier_must_be_first", modifier=name, name=ob.name)
     return modifier
 
 

@@ -15,13 +15,13 @@ import bmesh
 import bpy
 
 from . import (
-    beside,
     between_patches,
     blends,
     copies,
     filling,
     joining,
     layers,
+    limit_objects,
     mirrored,
     selection,
     sentences,
@@ -73,7 +73,7 @@ def around(fill):
     names = sorted(key for key in fill.keys() if key.startswith(_AROUND))
     objects = [fill[key] for key in names]
     if not objects or any(ob is None or is_deleted(ob) for ob in objects):
-        raise UnusableError("An object that it followed is gone; apply it, or delete it")
+        raise UnusableError("followed_object_gone")
     return objects
 
 
@@ -160,7 +160,7 @@ def _nearest(borders, settings):
         best = min(best, ((apart.min(axis=1).mean() + apart.min(axis=0).mean()) / 2, border), key=lambda pair: pair[0])
     distance, border = best
     if border is None or distance > _SAME_RIM * np.linalg.norm(np.ptp(was, axis=0)):
-        raise UnusableError("The hole is gone: there is no border of the mesh where it was")
+        raise UnusableError("followed_hole_gone")
     return border
 
 
@@ -193,7 +193,7 @@ def find_half(ob, bm, settings):
 
 def _options(settings):
     arguments = {
-        name: filling.BySide(value) if isinstance(value, list) and len(value) == filling.MOST_SIDES else value
+        name: filling.BySide(value) if isinstance(value, list) and len(value) == filling.MAX_SIDES else value
         for name, value in settings["arguments"].items()
     }
     return filling.Options(arguments, settings["corner_offset"], settings["shading"], settings["deviation"])
@@ -216,9 +216,9 @@ def _filled(ob, bm, mesh, settings, options, active=None):
     else:
         outcome, new = filling.fill_rims(bm, mesh, matrix, [Rim(loop, corners=corners or [])], options, active)
     if outcome is None:
-        raise _LeftOut("This is the outer border of the mesh")
+        raise _LeftOut("outer_border_left")
     if outcome.refused:
-        raise UnusableError(outcome.refused[0].sentence)
+        raise UnusableError.of(outcome.refused[0].sentence)
     return outcome, new
 
 
@@ -248,7 +248,7 @@ def write(fill, bm, faces, like):
     for element in (*bm.verts, *bm.edges, *bm.faces):
         element.hide = element.select = False
     fill.vertex_groups.clear()
-    beside.take_materials(fill.data, like)
+    limit_objects.take_materials(fill.data, like)
     bm.to_mesh(fill.data)
 
 
@@ -302,9 +302,9 @@ def keep(ob, rims, options, halves=(), outer=True):
 
     for rim in rims:
         if rim.replaced:
-            refuse(rim.loop, "A live fill follows the rim of a hole; delete the selected faces first")
+            refuse(rim.loop, tripatch.Message("live_needs_open_hole"))
         elif rim.islands:
-            refuse(rim.loop, "A live fill follows one boundary; turn off Keep Live to join several")
+            refuse(rim.loop, tripatch.Message("live_follows_one_boundary"))
     plain = [rim for rim in rims if not (rim.replaced or rim.islands)]
     given = [(rim.loop, {"corners": [rim.loop.index(v) for v in rim.corners] or None}) for rim in plain]
     given += [(chain, {"corners": None, "half": True, "outer": outer}) for _, chain in halves]
@@ -322,11 +322,11 @@ def _keep_hole(ob, loop, how, options):
     """A live fill of a hole of a mesh in edit mode: a new object, joined by a modifier. Returns the filling.Outcome;
     UnusableError if it cannot be filled. loop: BMVert, their indices up to date."""
     if options.arguments.get("surroundings") == "limit":
-        raise UnusableError("A live fill follows the mesh; choose Surroundings: Mesh")
+        raise UnusableError("live_needs_mesh")
     if sum(material is None for material in ob.data.materials) > 1 and any(slot.link == "OBJECT" for slot in ob.material_slots):
-        raise UnusableError(f"Materials of {ob.name} are linked to the object; a live fill needs them linked to the mesh (Data)")
+        raise UnusableError("live_needs_materials_of_mesh", name=ob.name)
     if (modifier := joining.by_groups(ob)) and not joining.keeps_groups():
-        raise UnusableError(f"This Blender cannot join vertex groups, which {modifier.name} needs; turn off Keep Live")
+        raise UnusableError("live_cannot_join_groups", modifier=modifier.name)
     # it must not move the vertices of what it follows, crease its edges or split them
     fixed = {"cage_rim": "smooth", "odd": "triangle"}
     applying = {"cage": fixed, "quads": {"odd": "triangle"}}.get(options.arguments.get("output"), {})
@@ -341,18 +341,18 @@ def _keep_hole(ob, loop, how, options):
     }
     fill = bpy.data.objects.new(f"{ob.name} Fill", bpy.data.meshes.new(f"{ob.data.name} Fill"))
     _remember(fill, json.loads(json.dumps(settings, default=list)), [ob])
-    for collection in beside.collections_of(ob):
+    for collection in limit_objects.collections_of(ob):
         collection.objects.link(fill)
     try:
         outcome = _follow(fill)
-        waiting.goes_on()
+        waiting.must_finish()
         fill.parent, fill.display_type, fill.hide_render = ob, "WIRE", True
         joining.join(ob, fill, joining.WITHIN * min((a.co - b.co).length for a, b in selection.pairs(loop)))
     except (UnusableError, tripatch.Refusal, ValueError, waiting.Ends) as reason:
         bpy.data.meshes.remove(fill.data)  # and the object with it
         if isinstance(reason, (_LeftOut, waiting.Ends)):
             raise
-        raise UnusableError(getattr(reason, "said", str(reason))) from None
+        raise UnusableError.of(getattr(reason, "said", str(reason))) from None
     outcome.live.append(fill.name)
     return outcome
 
@@ -361,7 +361,7 @@ def keep_smooth(ob, faces, resolution, curve):
     """A live copy of some faces of a mesh in edit mode, smoothed: a new object. faces: as of smooth.chosen. UnusableError."""
     made = bpy.data.objects.new(f"{ob.name} Smooth", bpy.data.meshes.new(f"{ob.data.name} Smooth"))
     _remember(made, {"kind": "smooth", "smooth": {"faces": faces, "resolution": resolution, "curve": curve}}, [ob])
-    for collection in beside.collections_of(ob):
+    for collection in limit_objects.collections_of(ob):
         collection.objects.link(made)
     made.parent = ob
     try:
@@ -396,14 +396,14 @@ def reshape(fill, shape):
 
 def _check_is_shown(ob):
     """UnusableError if Blender would not edit an object here."""
-    what = f"{ob.name}, whose hole it fills,"
+    if not ob.users_scene:
+        raise UnusableError("live_in_no_scene", name=ob.name)
     if bpy.context.scene not in ob.users_scene:
-        scene = next((f"in the scene '{scene.name}'" for scene in ob.users_scene), "in no scene")
-        raise UnusableError(f"{what} is {scene}; apply it there")
+        raise UnusableError("live_in_other_scene", name=ob.name, scene=ob.users_scene[0].name)
     if ob.library or ob.data.library:
-        raise UnusableError(f"{what} is linked from another file; make it local first")
+        raise UnusableError("live_linked", name=ob.name)
     if bpy.context.view_layer.objects.get(ob.name) != ob or ob.hide_viewport:
-        raise UnusableError(f"{what} is switched off in the viewport; switch it on in the Outliner first")
+        raise UnusableError("live_switched_off", name=ob.name)
 
 
 @contextmanager

@@ -29,10 +29,10 @@ class _OfLiveFills:
     @classmethod
     def poll(cls: Any, context):
         if library.missing or context.mode not in ("OBJECT", "EDIT_MESH"):
-            cls.poll_message_set(library.missing or "Works in object mode and in edit mode")
+            cls.poll_message_set(library.missing or sentences.said("needs_object_or_edit_mode"))
             return False
         if not live.fills():
-            cls.poll_message_set("The file has no live fill: Keep Live makes one")
+            cls.poll_message_set(sentences.said("no_live_fill"))
             return False
         return True
 
@@ -53,14 +53,15 @@ class OBJECT_OT_apply_live_fill(_OfLiveFills, bpy.types.Operator):
             try:
                 live.apply(fill)
             except (live.UnusableError, library.tripatch.Refusal, ValueError) as reason:
-                refused.append(f"{name}: {sentences.for_people(reason)}")
+                refused.append(sentences.said("of_object", name=name, reason=sentences.for_people(reason)))
             else:
                 applied.append(name)
         following.scan()
         if refused:
             self.report({"WARNING" if applied else "ERROR"}, refused[0])
         else:
-            self.report({"INFO"}, f"Applied {', '.join(applied)}" if applied else "There is no such live fill")
+            done = sentences.said("live_fills_applied", names=applied) if applied else sentences.said("no_such_live_fill")
+            self.report({"INFO"}, done)
         return {"FINISHED"} if applied else {"CANCELLED"}
 
 
@@ -77,7 +78,7 @@ class OBJECT_OT_update_live_fill(_OfLiveFills, bpy.types.Operator):
         problems = []
         for fill in _meant(context, self.fill):
             problem = live.refill(fill)
-            problems += [f"{fill.name}: {problem}"] if problem else []
+            problems += [sentences.said("of_object", name=fill.name, reason=problem)] if problem else []
         if problems:
             self.report({"WARNING"}, problems[0])
         return {"FINISHED"}

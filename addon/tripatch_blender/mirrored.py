@@ -15,6 +15,7 @@ import bpy
 from mathutils import Matrix, Vector
 
 from . import filling, normals, selection
+from .library import tripatch
 
 # Of the mean length of a fill's edges: vertices that are nearer to the mirror plane are put on it, else slivers would be cut.
 _NEAR = 0.25
@@ -24,7 +25,6 @@ _PERPENDICULAR = 1e-4
 _ON = 1e-6
 _NONE = frozenset()
 #: What is said of a border that is_joined.
-JOINED = "The boundary lies on the plane of a Mirror modifier, which joins it; apply the modifier or turn it off in the viewport"
 
 
 @dataclass
@@ -286,7 +286,7 @@ def _fill(bm, mesh, matrix, half, options, told, outer, active, modifier):
     with image_of(bm, half) as (rim, keep):
         told.write()
         if rim is None:
-            return filling.Outcome(refused=[filling.Refused("The hole at the mirror plane is not whole", own)]), []
+            return filling.Outcome(refused=[filling.Refused(tripatch.Message("mirrored_hole_unclear"), own)]), []
         if not outer and filling.is_outer(bm, matrix, rim):
             return None, []
         options = replace(options, mirrored=True)

@@ -25,7 +25,7 @@ _KINDS = {"Mesh": "Geometry", "Max Edges": "Int", "Density": "Int", "Bulge": "Fl
 _GIVEN = {
     "Max Edges": (64, 0, "Skip holes with more boundary edges (0: fill all)"),
     "Density": (0, 0, "Edges of the new triangles along a side, or extra rows of quads (0: as the boundary)"),
-    "Bulge": (1.0, 0.0, "How far the fill bulges (1: as the surrounding surface goes on)"),
+    "Bulge": (1.0, 0.0, "How far the fill bulges (1: as the surrounding surface continues)"),
 }
 #: What inputs are distinguished by: the mean of the positions along a direction that no symmetry of a model has.
 _ALONG = (0.5403, 0.2919, 0.7892)
@@ -184,7 +184,7 @@ def _value(modifier, node, name):
         return socket.default_value
     source = socket.links[0].from_socket
     if source.node.bl_idname != "NodeGroupInput":
-        raise UnusableError(f"{name} must be a number, or an input of the modifier")
+        raise UnusableError("node_input_computed", name=name)
     return versions.modifier_input(modifier, source.name)
 
 
@@ -255,7 +255,7 @@ def _signature(mesh, places):
 
 def _arguments(bm, rims, values):
     """Of tripatch.fill: quads among quads, triangles among triangles. Density 0 leaves it to the library."""
-    given = filling.going_on(selection.beside(bm, rims)) | {"bulge": max(values["Bulge"], 1e-3)}
+    given = filling.matching_faces(selection.adjacent_sizes(bm, rims)) | {"bulge": max(values["Bulge"], 1e-3)}
     return given | {"resolution": values["Density"] if values["Density"] > 0 else None}
 
 
@@ -310,7 +310,7 @@ def follow(name):
             inputs.append((ob, mesh, values, _signature(mesh, places)))
         state = " ".join(map(str, sorted(states)))
         if not users:
-            tree[_STATE], tree[_PROBLEM] = "", "Works in the node tree of a modifier, not in a group inside it"
+            tree[_STATE], tree[_PROBLEM] = "", sentences.said("node_in_group")
         if not inputs or tree[_STATE] == state:
             return False
         tree[_STATE] = state
@@ -357,5 +357,5 @@ def _fill(tree, inputs):
         _show(tree, fills)
     for ob in objects[len(fills) :]:
         bpy.data.meshes.remove(ob.data)  # and the object with it
-    count = len(problems)
-    tree[_PROBLEM] = f"{count} {'hole' if count == 1 else 'holes'} not filled: {problems[0]}" if problems else ""
+    some = {"count": len(problems), "reason": problems[0]} if problems else {}
+    tree[_PROBLEM] = sentences.said("some_holes_not_filled", **some) if some else ""

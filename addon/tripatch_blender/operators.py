@@ -11,11 +11,11 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import (
-    beside,
     filling,
     following,
     layers,
     library,
+    limit_objects,
     live,
     mirrored,
     notches,
@@ -188,7 +188,7 @@ class FillSmooth(Construction, waiting.Waiting):
 
     @classmethod
     def poll(cls, context):
-        return library.poll(cls, context, "EDIT_MESH", "Works on a mesh in edit mode")
+        return library.poll(cls, context, "EDIT_MESH", "needs_edit_mode")
 
     def invoke(self, context, _event):
         self.by_hand = True
@@ -337,13 +337,13 @@ class FillSmooth(Construction, waiting.Waiting):
             caged = self.surroundings == "mesh" and subdivision.modifier_of(ob)
             # A script that says how many edges its triangles have has chosen them.
             counted = self.properties.is_property_set("resolution") and not self._is_computed("resolution", 0)
-            beside = Counter() if caged or counted else self._beside_rims(ob)
-            self.computed_output = "cage" if caged else filling.going_on(beside)["output"]
+            adjacent = Counter() if caged or counted else self._adjacent_sizes(ob)
+            self.computed_output = "cage" if caged else filling.matching_faces(adjacent)["output"]
         if self._is_computed("odd", None):
-            goes_on = self.output == "auto" and self.computed_output == "quads"
-            self.odd = self.computed_odd = "triangle" if goes_on else OPTIONS["odd"].default
+            continues = self.output == "auto" and self.computed_output == "quads"
+            self.odd = self.computed_odd = "triangle" if continues else OPTIONS["odd"].default
 
-    def _beside_rims(self, ob):
+    def _adjacent_sizes(self, ob):
         """Of the faces along the rims of an object that are to be filled: how many have so many corners. The rims are kept for
         the fill, unless the mesh is changed before, by halves of holes or by layers, which end the validity of what was found."""
         bm = bmesh.from_edit_mesh(ob.data)
@@ -357,7 +357,7 @@ class FillSmooth(Construction, waiting.Waiting):
             if not halves:
                 self._looked_at[ob.name] = bm, selected, everything, found
             rims += [*found[0], *(reason.rim for reason in found[1] if reason.rim)]
-        return selection.beside(bm, rims)
+        return selection.adjacent_sizes(bm, rims)
 
     def _fill_as_chosen(self, ob):
         """Each object by itself. Returns its Outcome, and the output that it was filled with."""
@@ -413,7 +413,8 @@ class FillSmooth(Construction, waiting.Waiting):
         filled[-1].left_open = nothing.left_open
         message = "; ".join(outcome.sentence() for outcome in filled)
         if refused:
-            message += f"; {len(refused)} not filled: {'; '.join(told[:3])}{'; ...' if len(told) > 3 else ''}"
+            reasons = "; ".join([*told[:3], *["..."] * (len(told) > 3)])
+            message += "; " + sentences.said("some_not_filled", count=len(refused), reasons=reasons)
         notes = [of_filled(note) for outcome in filled for note in outcome.notes]
         if notes:
             message += f". {'. '.join(notes[:2])}"
@@ -430,7 +431,7 @@ class FillSmooth(Construction, waiting.Waiting):
 
     def _refuse(self, context, refused, told):
         """Nothing could be filled. By hand the panel must come, which it does after what has changed something."""
-        message = told[0] + (f" (and {len(told) - 1} more)" if len(told) > 1 else "")
+        message = sentences.said("and_more", reason=told[0], count=len(told) - 1) if len(told) > 1 else told[0]
         if not self.by_hand:
             self.report({"ERROR"}, message)
             return {"CANCELLED"}
@@ -452,7 +453,7 @@ class FillSmooth(Construction, waiting.Waiting):
             rims, left = ([rim for rim in each if rim not in joined] for each in (rims, left))
             refused = [reason for reason in refused if reason.rim not in joined]
             if joined and not rims and not refused:
-                raise selection.UnusableError(mirrored.JOINED, [v for rim in joined for v in rim.loop])
+                raise selection.UnusableError("mirror_joins_boundary", [v for rim in joined for v in rim.loop])
         if not (everything or self.outer):
             rims = filling.without_outer(bm, matrix, rims)
         return rims, refused, [len(rim.loop) for rim in left]
@@ -478,7 +479,8 @@ class FillSmooth(Construction, waiting.Waiting):
         plain_options = replace(options, arguments=arguments)
         made, new_faces = filling.fill_rims(bm, mesh, matrix, rims, plain_options, active, modifier)
         if made.reports:
-            made.notes.insert(0, f"Filled without {' and '.join(pulled.values())}: {reason}")
+            said = {"options": list(pulled.values()), "reason": reason}
+            made.notes.insert(0, library.tripatch.Message("filled_unshaped", said))
             made.left_out += pulled
         outcome.refused = kept
         outcome.add(made)
@@ -551,7 +553,7 @@ class FillSmooth(Construction, waiting.Waiting):
         mesh, matrix = ob.data, filling.world_matrix(ob.name, ob.matrix_world)
         rest = filling.Outcome(refused=[filling.Refused.because(reason, ob) for reason in refused], left_open=left)
         if options.arguments.get("surroundings") == "limit":
-            outcome, _ = beside.fill_rims(ob, bm, matrix, rims, options)
+            outcome, _ = limit_objects.fill_rims(ob, bm, matrix, rims, options)
             outcome.add(rest)
             return outcome
         if self.keep_live:
@@ -616,8 +618,7 @@ class MESH_OT_edit_fill(FillSmooth, bpy.types.Operator):
             for number, _ in records.selected(bm):
                 self._take(records.of_fill(ob.data, number))
                 return super().perform(context)
-        message = "Select a face of a fill; the selected faces were made by none"
-        self.report({"WARNING" if self.by_hand else "ERROR"}, message)
+        self.report({"WARNING" if self.by_hand else "ERROR"}, sentences.said("no_fill_selected"))
         return {"CANCELLED"}
 
     def _take(self, record):

@@ -88,13 +88,13 @@ def folded(operator, name, label):
     yield Rows(operator, body)
 
 
-def _lines(context, text, beside, width=None):
+def _lines(context, text, adjacent, width=None):
     """A sentence in lines as wide as the panel. next to: pixels that are taken; width: of a panel that is no region, at the scale
     1."""
     region = context.region
     if width is None:
         width = region.width / (bpy.context.preferences.system.ui_scale or 1) if region else 0
-    return textwrap.wrap(text, max(_SHORTEST, int((width - beside) / _CHARACTER)))
+    return textwrap.wrap(text, max(_SHORTEST, int((width - adjacent) / _CHARACTER)))
 
 
 def reasons(layout, context, text):

@@ -15,29 +15,38 @@ from .library import np, tripatch, words
 
 #: Of the extent of a rim: Blender's positions have seven digits.
 SAME_PLACE = 1e-5
-#: What fills outer borders, as the panel has it.
-USE_OUTER = "use Outer Borders"
+#: The option that fills outer borders, as the panel has it.
+OUTER = "Outer Borders"
 # Rings of faces around a rim that are handed to the library.
 RINGS = tripatch.SURROUNDING_RINGS if tripatch else 0
 
 
 class UnusableError(ValueError):
-    """Nothing that is selected can be filled; the message says why. vertices: BMVert that are concerned; code: a short name of
-    the reason; rim: the Rim that it is about, if it is about one."""
+    """Nothing that is selected can be filled; the message says why. code: of the library's messages; vertices: BMVert that are
+    concerned; rim: the Rim that it is about, if it is about one; parameters: of the message."""
 
-    def __init__(self, message, vertices=(), code="", rim=None):
-        super().__init__(message)
-        self.said = getattr(message, "said", message)  # a message with a code, or text
-        self.vertices, self.code, self.rim = list(vertices), code, rim
+    def __init__(self, code, vertices=(), rim=None, **parameters):
+        self.vertices, self.rim = list(vertices), rim
+        self._say(tripatch.Message(code, parameters, [v.index for v in self.vertices]))
+
+    @classmethod
+    def of(cls, said, vertices=()):
+        """For a reason that the library gives: a message, or text."""
+        made = cls.__new__(cls)
+        made.vertices, made.rim = list(vertices), None
+        made._say(said)
+        return made
+
+    def _say(self, said):
+        self.said, self.code, self.args = said, getattr(said, "code", ""), (said,)
 
 
 class NothingToFill(UnusableError):
     """There are outer borders at most. left: how many edges each of them has."""
 
-    def __init__(self, left=(), vertices=(), advice=USE_OUTER):
-        self.left = list(left)
-        said = words.left_open(self.left, advice) or "the mesh has no border"
-        super().__init__(f"Nothing to fill: {said}", vertices, "nothing_to_fill")
+    def __init__(self, left=(), vertices=(), option=OUTER):
+        self.left, self.vertices, self.rim = list(left), list(vertices), None
+        self._say(words.nothing_to_fill(self.left, option))
 
 
 class OptionsError(ValueError):
@@ -89,7 +98,7 @@ def edges_of(bm, loop):
     return [bm.edges.get((a, b)) for a, b in pairs(loop)]
 
 
-def beside(bm, rims):
+def adjacent_sizes(bm, rims):
     """Counter of the numbers of corners of the faces that rims run along, but those that are replaced: one for each edge."""
     edges = [(edge, rim) for rim in rims for loop in rim.loops for edge in edges_of(bm, loop) if edge]
     return Counter(len(face.verts) for edge, rim in edges for face in edge.link_faces if face not in rim.replaced)
@@ -177,15 +186,14 @@ def _region_to_replace(region, holes, by_faces):
     # Selecting the vertices of a rim selects the faces that have no other vertices.
     if holes and not by_faces and all(v in held for f in region for v in f.verts):
         return None
-    place = f"near vertex {region[0].verts[0].index}"
+    near = [region[0].verts[0].index]
     if border:
-        vertices = [v for e in border for v in e.verts]
-        raise UnusableError(f"The selected faces {place} touch the border of the mesh; select faces inside it", vertices)
+        raise UnusableError("faces_touch_border", [v for e in border for v in e.verts], near=near)
     loops = [loop[::-1] for loop in _loops(region)]
     vertices = [v for loop in loops for v in loop]
     if not loops or len(vertices) > len(set(vertices)):
-        said = "no border" if not loops else "borders that touch each other"
-        raise UnusableError(f"The selected faces {place} have {said}", vertices or [v for f in region for v in f.verts])
+        code = "faces_borders_touch" if loops else "faces_without_border"
+        raise UnusableError(code, vertices or [v for f in region for v in f.verts], near=near)
     loop, *islands = sorted(loops, key=_extent, reverse=True)
     return Rim(loop, replaced=set(region), islands=islands)
 
@@ -230,10 +238,10 @@ def rim_of_fill(faces, number, corners):
     """The rim of an earlier fill, which is to be replaced. corners: the places of those that a person gave it."""
     loops, region = [loop[::-1] for loop in _loops(faces)], set(faces)
     if not loops:
-        raise UnusableError("This fill has no boundary; delete its faces and fill again", [v for f in faces for v in f.verts])
+        raise UnusableError("fill_without_boundary", [v for f in faces for v in f.verts])
     loop, *islands = sorted(loops, key=_extent, reverse=True)
     if any(len(e.link_faces) != 2 for f in faces for e in f.edges):
-        raise UnusableError("Faces around this fill are gone or were added; delete its faces and fill again", loop)
+        raise UnusableError("fill_changed_around", loop)
     within = SAME_PLACE * np.ptp(coordinates(loop), axis=0).max()
     nearest = [min(loop, key=lambda v, at=at: (v.co - Vector(at)).length) for at in corners]
     kept = [v for v, at in zip(nearest, corners, strict=True) if (v.co - Vector(at)).length <= within]
@@ -244,18 +252,15 @@ def rim_of_fill(faces, number, corners):
 def _no_hole(edges, vertices):
     """UnusableError: why the selection holds no rim."""
     if not vertices:
-        return UnusableError("Nothing is selected; select the rim of a hole, or a vertex of it")
+        return UnusableError("nothing_selected")
     if not edges:
-        sentence = f"No hole at the selected vertices (vertex {vertices[0].index} is not on a border of the mesh)"
-        return UnusableError(sentence, vertices)
+        return UnusableError("vertices_not_on_border", vertices)
     for edge in edges:
-        a, b = (v.index for v in edge.verts)
         count = len(edge.link_faces)
         if count != 1:
-            sides = {0: "no face beside it", 2: "a face on both sides"}.get(count, f"{count} faces")
-            sentence = f"The selected edges are not the rim of a hole: the edge between vertices {a} and {b} has {sides}"
-            return UnusableError(sentence, edge.verts)
-    return UnusableError("The selected edges are not the rim of a hole", vertices)
+            code = {0: "no_face_at_edge", 2: "faces_on_both_sides"}.get(count, "non_manifold_edge")
+            return UnusableError(code, edge.verts, faces=count)
+    return UnusableError("edges_bound_no_hole", vertices)
 
 
 def _edges_alone(vertices):
@@ -302,7 +307,7 @@ def show(context, concerned):
 
 #: Vertices that were selected the last time, by mesh: a slider of the last operator undoes it and runs it again with the same. Of
 #: more than this many it takes no less time to look at each than to look for them.
-_MOST_REMEMBERED = 10_000
+_MAX_REMEMBERED = 10_000
 _remembered: dict[str, list[int]] = {}
 
 
@@ -330,7 +335,7 @@ class Selected:
         else:
             self.vertices = _selected_vertices(bm, mesh)
             _remembered.clear()
-            if len(self.vertices) <= _MOST_REMEMBERED:
+            if len(self.vertices) <= _MAX_REMEMBERED:
                 _remembered[mesh.name] = [v.index for v in self.vertices]
         self.edges = by_index({e for v in self.vertices for e in v.link_edges if e.select})
         self.faces = by_index({f for e in self.edges for f in e.link_faces if f.select})
@@ -359,8 +364,7 @@ def name_groups(ob, like):
 
 def _part_of_border(count, loop, vertices):
     """UnusableError: no fill closes more than what is selected."""
-    sentence = f"The selection has only {count} of the border's {len(loop)} edges; select all of them to fill it"
-    return UnusableError(sentence, vertices, "part_of_border", Rim(loop))
+    return UnusableError("part_of_border", vertices, Rim(loop), count=count, edges=len(loop))
 
 
 def _are_corners(given, loop, joined):
@@ -426,11 +430,7 @@ def selected_rims(bm, selection):
             rims += [rim] if rim else []
     if not rims and not refused:
         if not (touched or parts) or not all(e.is_boundary for e in edges):
-            raise (
-                UnusableError("The boundary is hidden; use Show/Hide > Reveal Hidden")
-                if loops and not visible
-                else _no_hole(edges, vertices)
-            )
+            raise (UnusableError("boundary_hidden") if loops and not visible else _no_hole(edges, vertices))
         rims = [] if parts else touched
     refused += parts
     for rim in rims:

@@ -39,6 +39,11 @@ def _worded(said, vertices):
     return str(said)
 
 
+def said(code, **parameters):
+    """The sentence of a code, as plain text."""
+    return for_people(library.tripatch.Message(code, parameters))
+
+
 def for_people(said):
     """The sentence, with numbers of vertices."""
     return _worded(said, "numbered")

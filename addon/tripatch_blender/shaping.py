@@ -20,7 +20,7 @@ from .selection import Rim, UnusableError
 REACH = 60
 #: Of the size of the hole: an arrow at bulge 1. The arrows of three sides do not meet in the middle.
 ARROW = 0.14
-LEAST_BULGE = 0.05
+MIN_BULGE = 0.05
 #: Relative difference that is none.
 _SAME = 1e-6
 #: What a click on the label of a side goes through.
@@ -58,13 +58,13 @@ class Shaping:
     def __init__(self, ob, bm, rim, arguments=None):
         """UnusableError if there is nothing that could be filled. Indices must be up to date."""
         if rim.replaced:
-            raise UnusableError("The tool shapes holes; delete the selected faces first")
+            raise UnusableError("tool_needs_open_hole")
         if mirrored.is_joined(ob, rim):
-            raise UnusableError("A Mirror modifier joins this border to its image; use Fill Holes Smoothly for such halves")
+            raise UnusableError("tool_takes_no_halves")
         if filling.is_a_point(rim):
-            raise UnusableError(tripatch.Message("rim_is_point"), rim.loop)
+            raise UnusableError("rim_is_point", rim.loop)
         self.name = ob.name
-        self._going_on = filling.going_on(selection.beside(bm, [rim]))
+        self._matching = filling.matching_faces(selection.adjacent_sizes(bm, [rim]))
         self.set_arguments(arguments or {})
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
         positions, faces, _ = selection.Surroundings(bm, matrix).around(rim)
@@ -87,7 +87,7 @@ class Shaping:
 
     def set_arguments(self, given):
         """Of tripatch.fill, in place of those that continue with what lies around."""
-        self.arguments = self._going_on | given
+        self.arguments = self._matching | given
 
     def _start_corners(self, rim):
         if rim.corners:
@@ -158,7 +158,7 @@ class Shaping:
 
     def set_bulge(self, k, value):
         """Whether it is another one."""
-        value = max(float(value), LEAST_BULGE)
+        value = max(float(value), MIN_BULGE)
         if math.isclose(value, self.shape.bulges[k], rel_tol=_SAME):
             return False
         self.shape.bulges[k], self.is_shown = value, False
@@ -315,7 +315,7 @@ class Shaping:
         bm.verts.index_update()
         bm.faces.index_update()
         if not self.is_current(bm):
-            raise UnusableError("The mesh has changed; choose the hole again")
+            raise UnusableError("mesh_changed")
         loop = [bm.verts[k] for k in self.rim]
         rim = Rim(loop, corners=[loop[k] for k in self.corners()], round=self.shape.round)
         active = ob.active_shape_key.name if ob.active_shape_key else None
@@ -353,8 +353,8 @@ def from_selection(ob, bm, arguments=None):
     rims, refused = selection.selected_rims(bm, selection.Selected(bm))
     halves = [reason.rim for reason in refused if reason.rim and mirrored.is_joined(ob, reason.rim)]
     if refused and not halves:
-        raise UnusableError(refused[0])
+        raise refused[0]
     rims = halves or rims
     if len(rims) != 1:
-        raise UnusableError(f"{len(rims)} holes are selected; the tool shapes one")
+        raise UnusableError("tool_shapes_one", count=len(rims))
     return Shaping(ob, bm, rims[0], arguments)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from . import seam, subdivision, versions
+from . import seam, sentences, subdivision, versions
 from .library import np, quality, words
 
 
@@ -72,16 +72,17 @@ def _surface_colors(made, mesh, vertices, triangles, settings):
     if settings.surface == "CURVATURE":
         mean, _ = quality.curvatures(vertices.astype(np.float64), triangles.astype(np.int64))
         most = settings.curvature if settings.fixed_range else quality.usual(mean)
-        made.told.append(f"Curvature from {-most:.3g} (blue) to {most:.3g} (red)")
+        made.told.append(sentences.said("curvature_shown", least=f"{-most:.3g}", most=f"{most:.3g}"))
         return quality.signed_colors(mean, most)
     if settings.surface == "DEVIATION":
         values = _deviation(mesh)
         if values is None or not np.nan_to_num(values).any():
-            made.told.append("No deviation is known of this mesh")
+            made.told.append(sentences.said("deviation_not_known"))
             return None
         most = settings.deviation if settings.fixed_range else float(np.nan_to_num(values).max(initial=0.0))
-        grey = ", grey: not known" if np.isnan(values).any() else ""
-        made.told.append(f"Deviation up to {np.nan_to_num(values).max(initial=0.0):.3g} (red from {most:.3g}){grey}")
+        said = {"largest": f"{np.nan_to_num(values).max(initial=0.0):.3g}", "most": f"{most:.3g}"}
+        said |= {"unknown": int(np.isnan(values).sum())} if np.isnan(values).any() else {}
+        made.told.append(sentences.said("deviation_shown", **said))
         return quality.known_colors(values, most)
     return None
 
@@ -93,7 +94,7 @@ def _add_seam(made, vertices, triangles, edges, reported, settings):
     angles = quality.seam_angles(vertices.astype(np.float64), triangles.astype(np.int64), edges)
     known = np.isfinite(angles)
     if not known.any():
-        made.told.append("No seam: fill a hole, or select edges")
+        made.told.append(sentences.said("no_seam_shown"))
         return
     edges, angles = edges[known], angles[known]
     worst = int(angles.argmax())
@@ -102,7 +103,7 @@ def _add_seam(made, vertices, triangles, edges, reported, settings):
     made.line_colors = np.repeat(np.column_stack([colors, np.ones(len(colors))]), 2, axis=0).astype(np.float32)
     angle = float(angles[worst]) if reported is None else reported
     made.worst = (vertices[edges[worst]].mean(axis=0), angle)
-    made.told.append(f"Seam within {words.degrees(angle)} (red from {words.degrees(settings.seam_most)})")
+    made.told.append(sentences.said("seam_shown", angle=words.degrees(angle), most=words.degrees(settings.seam_most)))
 
 
 def of_evaluated(ob, mesh, turn, settings):
@@ -115,7 +116,7 @@ def of_evaluated(ob, mesh, turn, settings):
     bad = np.zeros(len(triangles), bool)
     if settings.folds:
         bad = quality.folded(vertices.astype(np.float64), triangles.astype(np.int64))
-        made.told.append(f"{int(bad.sum())} folded triangles" if bad.any() else "No folds")
+        made.told.append(sentences.said("folds_shown", count=int(bad.sum())) if bad.any() else sentences.said("no_folds_shown"))
     if not stripes:
         shown = np.zeros((len(flat), 4), np.float32)
         if colors is not None:

@@ -9,12 +9,12 @@ import bmesh
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 
-from . import attributes, filling, layers, library, normals, selection, writeback
+from . import attributes, filling, layers, library, normals, selection, sentences, writeback
 from .library import np, tripatch
 from .selection import UnusableError
 
 # Of a triangle's area over its longest edge squared, below which it has none, as the library asks.
-_LEAST_AREA = 1e-12
+_MIN_AREA = 1e-12
 
 
 def _unit(vectors):
@@ -64,18 +64,19 @@ def _check_backs(bm, faces, corners):
         other = first.setdefault(frozenset(verts), face)
         there = bm.faces.get(verts) if len(face.verts) > 3 else None
         if other != face or there is not None:
-            raise UnusableError(f"Faces {(there or other).index} and {face.index} have the same vertices; delete one of them")
+            raise UnusableError("faces_doubled", first=(there or other).index, second=face.index)
 
 
 def _check_positions(faces, triangles, positions):
     """The library sees no neighbors, and would number the selected faces only."""
     if not np.isfinite(positions).all():
-        raise UnusableError(f"The position of vertex {int(np.argmin(np.isfinite(positions).all(axis=1)))} is not finite")
+        where = [int(np.argmin(np.isfinite(positions).all(axis=1)))]
+        raise UnusableError.of(tripatch.Message("position_not_finite", {}, where))
     a, b, c = positions[triangles].transpose(1, 0, 2)
     longest = np.max([((b - a) ** 2).sum(axis=1), ((c - b) ** 2).sum(axis=1), ((a - c) ** 2).sum(axis=1)], axis=0)
-    flat = np.linalg.norm(np.cross(b - a, c - a), axis=1) <= _LEAST_AREA * longest
+    flat = np.linalg.norm(np.cross(b - a, c - a), axis=1) <= _MIN_AREA * longest
     if flat.any():
-        raise UnusableError(f"Face {faces[int(np.argmax(flat))].index} has no area")
+        raise UnusableError("face_without_area", face=faces[int(np.argmax(flat))].index)
 
 
 def plan(ob, bm, resolution, curve):
@@ -113,7 +114,7 @@ def plan(ob, bm, resolution, curve):
     try:
         smooth = smoothed(None, given)
     except tripatch.Refusal as refusal:
-        raise UnusableError(refusal) from None
+        raise UnusableError.of(refusal.said) from None
     _check_backs(bm, faces, loops)
     weights = tripatch.CutWeights(smooth, triangles, count)
     at_all = _unit(smooth.normals @ linear)
@@ -126,7 +127,7 @@ def plan(ob, bm, resolution, curve):
         try:
             planned.in_shape_keys[name] = to_object(smoothed(layer, {}))
         except (tripatch.Refusal, UnusableError) as refusal:
-            planned.notes.append(f"Shape key '{name}' is not smoothed: {refusal}")
+            planned.notes.append(sentences.said("shape_key_not_smoothed", name=name, reason=refusal.said))
             moved = selection.coordinates(bm.verts, layer) - selection.coordinates(bm.verts)
             planned.in_shape_keys[name] = planned.positions + weights.at_new_vertices(moved, smooth.edges, triangles)
     return planned
@@ -191,16 +192,16 @@ def write(planned):
     for a, b in planned.smooth.edges.tolist():
         start, end = old[a], old[b]
         edge, first = bm.edges.get((start, end)), len(vertices)
-        beside: dict = {}
+        adjacent: dict = {}
         if custom is not None:
-            beside = _neighbor_normals(custom, gone, start, end, edge, planned.normals, weights.edge)
+            adjacent = _neighbor_normals(custom, gone, start, end, edge, planned.normals, weights.edge)
         made = _cut(edge, start, end, points[first - len(old) : first - len(old) + cuts])
         attributes.blend_vertices(bm, [start, end], made, lambda values: weights.edge @ values)
         vertices += made
-        for k, vertex in enumerate(made if beside else []):
+        for k, vertex in enumerate(made if adjacent else []):
             for corner in vertex.link_loops:
-                if corner.face in beside:
-                    own = beside[corner.face]
+                if corner.face in adjacent:
+                    own = adjacent[corner.face]
                     custom[corner] = planned.normals[first + k] if own is None else own[k]
     for corners in planned.triangles:
         first = len(vertices) - len(old)
@@ -244,7 +245,7 @@ def smooth_copy(ob, bm, faces, resolution, curve):
         count = len(bm.verts)
         found = [bm.faces.get([bm.verts[v] for v in face]) if max(face) < count else None for face in faces]
     if not found or None in found:
-        raise UnusableError("Faces that it smooths are gone; apply it, or delete it")
+        raise UnusableError("smoothed_faces_gone")
     for face in bm.faces:
         face.hide = face.select = False
     for face in found:
@@ -279,7 +280,7 @@ class MESH_OT_smooth_triangles(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return library.poll(cls, context, "EDIT_MESH", "Works on a mesh in edit mode")
+        return library.poll(cls, context, "EDIT_MESH", "needs_edit_mode")
 
     def draw(self, _context):
         layout = self.layout
@@ -296,7 +297,8 @@ class MESH_OT_smooth_triangles(bpy.types.Operator):
             return self._execute(context)
 
     def _refuse(self, ob, objects, reason):
-        self.report({"ERROR"}, f"{ob.name}: {reason}" if len(objects) > 1 else str(reason))
+        said = str(reason)  # with the numbers of faces, which no selection shows here
+        self.report({"ERROR"}, sentences.said("of_object", name=ob.name, reason=said) if len(objects) > 1 else said)
         return {"CANCELLED"}
 
     def _keep_live(self, context):
@@ -319,11 +321,11 @@ class MESH_OT_smooth_triangles(bpy.types.Operator):
             return self._refuse_nothing()
         for each in made:
             following.begin(each)
-        self.report({"INFO"}, f"Smoothed into {', '.join(each.name for each in made)}")
+        self.report({"INFO"}, sentences.said("smoothed_into", names=[each.name for each in made]))
         return {"FINISHED"}
 
     def _refuse_nothing(self):
-        self.report({"ERROR"}, "No face is selected; select the faces to be smoothed")
+        self.report({"ERROR"}, sentences.said("no_face_selected"))
         return {"CANCELLED"}
 
     def _execute(self, context):
@@ -347,7 +349,7 @@ class MESH_OT_smooth_triangles(bpy.types.Operator):
             selection.finish_edit(planned.bm, ob.data)
             before, after = before + count, after + len(new_faces)
         notes = [note for planned in plans.values() for note in planned.notes]
-        message = f"Smoothed {before} face{'s' if before != 1 else ''} into {after} triangles"
+        message = sentences.said("faces_smoothed", count=before, triangles=after)
         self.report({"WARNING" if notes else "INFO"}, ". ".join([message, *notes[:2]]))
         return {"FINISHED"}
 

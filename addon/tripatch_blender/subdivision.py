@@ -45,22 +45,19 @@ def usable(ob, limit=False):
     modifier = modifier_of(ob)
     if modifier is None:
         if limit:
-            raise UnusableError(f"{ob.name} has no Subdivision modifier, so there is no limit surface; choose Surroundings: Mesh")
+            raise UnusableError("no_subdivision_modifier", name=ob.name)
         return None
     if modifier.subdivision_type != "CATMULL_CLARK":
-        raise UnusableError(
-            f"The modifier '{modifier.name}' of {ob.name} does not smooth (Simple); set it to Catmull-Clark, or choose "
-            "Output: Triangles and Surroundings: Mesh"
-        )
+        raise UnusableError("subdivision_simple", modifier=modifier.name, name=ob.name)
     before = True
     for other in ob.modifiers:
         if other == modifier:
             before = False
         elif other.show_viewport and limit and not before:
             if other.type not in _HARMLESS_AFTER or (other.type == "MIRROR" and any(other.use_bisect_axis)):
-                raise UnusableError(f"The modifier '{other.name}' of {ob.name} changes the subdivided surface; hide or apply it")
+                raise UnusableError("modifier_changes_limit", modifier=other.name, name=ob.name)
     if limit and not level_of(modifier):
-        raise UnusableError(f"The modifier '{modifier.name}' of {ob.name} has no levels in the viewport")
+        raise UnusableError("subdivision_without_levels", modifier=modifier.name, name=ob.name)
     return modifier
 
 
@@ -104,22 +101,15 @@ def _stays(points, places):
     return all(len(near) and np.abs(near - place).max(axis=1).min() <= within for place in places)
 
 
-def _changes(ob, modifier, verb):
-    return UnusableError(
-        f"The modifier '{modifier.name}' of {ob.name} {verb}; apply it, turn it off in edit mode, or choose "
-        "Output: Triangles and Surroundings: Mesh"
-    )
-
-
 def _refuse_first(ob, bm, modifiers, places):
     """UnusableError: the first of some modifiers that does not leave the rim, which is at some places, where it is."""
     names = [m.name for m in modifiers]
     for k, modifier in enumerate(modifiers):
         points = _evaluated(ob, bm, names[: k + 1], _points)
         if not len(points):  # as a node group makes it whose output nothing is linked to
-            raise _changes(ob, modifier, "leaves nothing of the mesh before it is subdivided")
+            raise UnusableError("modifier_leaves_nothing", modifier=modifier.name, name=ob.name)
         if not _stays(points, places):
-            raise _changes(ob, modifier, "moves the rim before the cage is subdivided")
+            raise UnusableError("modifier_moves_boundary", modifier=modifier.name, name=ob.name)
 
 
 def cage_before(ob, bm, modifier, rims=None, mirrored=False):
@@ -149,7 +139,7 @@ def cage_before(ob, bm, modifier, rims=None, mirrored=False):
     same = len(made.verts) >= len(bm.verts) and len(made.faces) >= len(bm.faces)
     if not same or any([v.index for v in f.verts] != [v.index for v in g.verts] for f, g in zip(bm.faces, made.faces)):
         made.free()
-        raise _changes(ob, changing[0], "changes the cage before it is subdivided")
+        raise UnusableError("modifier_changes_cage", modifier=changing[0].name, name=ob.name)
     return made
 
 
@@ -162,9 +152,7 @@ def in_cage(ob, cage, bm, rim):
     replaced = {cage.faces[f.index] for f in rim.replaced}
     for edge, a in zip(edges_of(cage, loop), loop, strict=True):
         if edge is None or len([f for f in edge.link_faces if f not in replaced]) != 1:
-            raise UnusableError(
-                f"A modifier of {ob.name} closes the hole at vertex {a.index}, or changes its boundary there; apply it"
-            )
+            raise UnusableError("modifier_closes_hole", [bm.verts[a.index]], name=ob.name)
     return Rim(loop, [vertex[v] for v in rim.corners], vertex.get(rim.first), replaced, fill=rim.fill)
 
 

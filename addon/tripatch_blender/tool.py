@@ -26,10 +26,6 @@ _BEGINNING, _WIDE = 48, 20
 _LABEL, _TEXT = 0.4, 11
 _COLOR = (0.16, 0.36, 0.62)
 _RIM, _EDGE = (1.0, 0.75, 0.2, 1.0), (0.05, 0.08, 0.12, 1.0)
-_HINT = (
-    "Drag corners, arrows for bulge and the middle   Click G1: other continuity   Click: another hole   Ctrl Click: corner   "
-    "Enter: fill   Esc: leave it"
-)
 
 
 class _State:
@@ -186,7 +182,7 @@ def _on_load(*_):
     stop()
 
 
-_OUTPUTS = [("triangles", "Triangles", "Triangles as fine as the rim"), ("quads", "Quads", "Quads round one pole or more")]
+_OUTPUTS = [("triangles", "Triangles", "Triangles as fine as the boundary"), ("quads", "Quads", "Quads around one or more poles")]
 
 
 class TripatchTool(bpy.types.PropertyGroup):
@@ -260,7 +256,7 @@ def _gizmo_size():
 class _OfTool:
     @classmethod
     def poll(cls, context):
-        return library.poll(cls, context, "EDIT_MESH", "Works on a mesh in edit mode")
+        return library.poll(cls, context, "EDIT_MESH", "needs_edit_mode")
 
 
 class MESH_OT_shape_fill(_OfTool, bpy.types.Operator):
@@ -595,7 +591,7 @@ class TRIPATCH_TOOL_shape(bpy.types.WorkSpaceTool):
     bl_context_mode = "EDIT_MESH"
     bl_idname = "tripatch.shape_fill"
     bl_label = "Shape Fill"
-    bl_description = "Fill a hole and shape the fill by hand.\n" + _HINT.replace("   ", ". ")
+    bl_description = sentences.said("tool_keys") if library.tripatch else ""
     bl_icon = str(Path(__file__).parent / "icons" / "shape_fill")  # drawn by scripts/tool_icon.py
     bl_widget = "VIEW3D_GGT_tripatch"
     bl_keymap = (

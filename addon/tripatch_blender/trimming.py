@@ -12,7 +12,7 @@ from .selection import UnusableError
 #: Of the sharpest edge among the selected faces: edges that turn by less are not the seam.
 _SHARE_OF_SHARPEST = 0.5
 #: Radians: where no edge turns by more the faces have no seam.
-_LEAST_TURN = 0.1
+_MIN_TURN = 0.1
 #: Of the width: a vertex that is so near the new boundary is on it. The boundary may be off by 5%.
 _ON_BOUNDARY = 0.04
 
@@ -22,8 +22,8 @@ def seam_of(faces):
     inner = [e for e in {e for f in faces for e in f.edges} if len(e.link_faces) == 2 and all(f in faces for f in e.link_faces)]
     turns = {e: e.calc_face_angle(0.0) for e in inner}
     most = max(turns.values(), default=0.0)
-    if most < _LEAST_TURN:
-        raise UnusableError("The selected faces have no sharp edge to measure Width from", [v for f in faces for v in f.verts])
+    if most < _MIN_TURN:
+        raise UnusableError("no_sharp_edge", [v for f in faces for v in f.verts])
     return selection.by_index(e for e, turn in turns.items() if turn > _SHARE_OF_SHARPEST * most)
 
 
@@ -96,7 +96,7 @@ def rims(bm, world, faces, width, options):
     """The rims of what lies within a distance of the seam among some faces, which is cut out of the mesh. It is tried in a copy
     first: UnusableError if no surface takes its place, and the mesh is as it was."""
     if not faces:
-        raise UnusableError("Select the faces along a seam; Width says how far the blend reaches")
+        raise UnusableError("seam_faces_needed")
     copy = bm.copy()
     try:
         copy.faces.ensure_lookup_table()
@@ -105,8 +105,8 @@ def rims(bm, world, faces, width, options):
     finally:
         copy.free()
     if refused:
-        raise UnusableError(refused[0], [v for f in faces for v in f.verts])
-    waiting.goes_on()
+        raise UnusableError.of(refused[0], [v for f in faces for v in f.verts])
+    waiting.must_finish()
     made = _regions(bm, world, faces, width)
     bm.verts.index_update()
     bm.edges.index_update()
@@ -122,7 +122,7 @@ def _trim(bm, world, faces, width):
     field = _Field(seam, world)
     near = _near_faces(seam, field, width)
     if any(e.is_boundary for f in near for e in f.edges):
-        raise UnusableError("The border of the mesh is nearer to the seam than Width", [v for f in near for v in f.verts])
+        raise UnusableError("border_within_width", [v for f in near for v in f.verts])
     on = _cut(bm, near, field, width)
     inside = {v for v in {v for f in near if f.is_valid for v in f.verts} if v not in on and field.of([v])[0] < width}
     return {f for v in inside for f in v.link_faces}

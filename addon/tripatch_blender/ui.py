@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import library, links
+from . import library, links, sentences
 from .between_patches import OBJECT_OT_fill_between_patches
 from .blending import OBJECT_OT_blend_three_patches
 from .operators import MESH_OT_edit_fill, MESH_OT_fill_smooth
@@ -59,7 +59,8 @@ class TripatchPreferences(bpy.types.AddonPreferences):
         row = layout.row()
         row.operator("wm.url_open", text="Documentation", icon="HELP").url = links.GUIDE
         row.operator("wm.url_open", text="Report a Bug", icon="URL").url = links.BUGS
-        layout.label(text=f"Face > {MESH_OT_fill_smooth.bl_label} in edit mode, or by this key:")
+        if not library.missing:
+            layout.label(text=sentences.said("menu_and_key", operator=MESH_OT_fill_smooth.bl_label))
         user = context.window_manager.keyconfigs.user
         keymap = user.keymaps.get("Mesh") if user else None
         item = keymap.keymap_items.find_from_operator(MESH_OT_fill_smooth.bl_idname) if keymap else None

@@ -129,7 +129,7 @@ class Making:
             self._made[_key(self._job.call)] = self._job
             self._job = None
 
-    def goes_on(self):
+    def must_finish(self):
         """From now on the operator must not end: it has changed something."""
         if self._ahead:
             raise _Ahead
@@ -166,8 +166,9 @@ class Making:
     def sentence(self):
         """How far it is."""
         count, passed = self._job.count, int(time.monotonic() - self.began)
-        which = f"hole {min(self._job.done + 1, count)} of {count}" if count > 1 else "the hole"
-        return f"Filling {which} ({passed} s)   Esc: stop"
+        if count == 1:
+            return str(tripatch.Message("filling_hole", {"seconds": passed}))
+        return str(tripatch.Message("filling_holes", {"hole": min(self._job.done + 1, count), "total": count, "seconds": passed}))
 
 
 _making = None
@@ -193,10 +194,10 @@ def ahead(steps, *refusals):
         _making.ahead(steps, refusals)
 
 
-def goes_on():
+def must_finish():
     """To be called before anything is changed that a second run of the operator would find."""
     if _making is not None:
-        _making.goes_on()
+        _making.must_finish()
 
 
 @contextmanager
@@ -237,7 +238,7 @@ class _Again:
         """When the thread is done and nothing waits any more."""
         group, name = self.operator.lower().split("_ot_") if "_OT_" in self.operator else self.operator.split(".")
         with bpy.context.temp_override(**_view()), _in(self.making):
-            self.making.goes_on()
+            self.making.must_finish()
             if self.undone:
                 bpy.ops.ed.undo()
             getattr(getattr(bpy.ops, group), name)("EXEC_DEFAULT", True, **self.arguments)
@@ -306,7 +307,7 @@ class Waiting:
     def modal(self, context, event):
         if event.type == "ESC" and event.value == "PRESS":
             self.cancel(context)
-            self.report({"INFO"}, "Stopped; the mesh is as it was")
+            self.report({"INFO"}, str(tripatch.Message("stopped")))
             return {"CANCELLED"}
         if event.type == "TIMER":
             if not self.poll(context):

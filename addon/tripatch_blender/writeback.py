@@ -48,20 +48,20 @@ def has_lid(fill):
 
 
 def obstacle(bm, planned):
-    """A sentence if the new faces cannot be joined to the mesh without damage to it."""
+    """A message if the new faces cannot be joined to the mesh without damage to it, else None."""
     rim = {v.index: v for v in planned.loop}
     edges, count = {frozenset((a.index, b.index)) for loop in planned.loops for a, b in pairs(loop)}, planned.count
     for face in index_lists(planned.fill.faces):
         if sorted(face)[1] >= count:  # most: at the rim is one of its vertices, or none
             continue
         if max(face) < count and (old := bm.faces.get([rim[v] for v in face])) and old not in planned.rim.replaced:
-            return f"There is a face between vertices {', '.join(map(str, face))} of the rim already"
+            return tripatch.Message("face_across_hole", {}, face)
         for a, b in pairs(face):
             if a < count and b < count and frozenset((a, b)) not in edges:
                 edge = bm.edges.get((rim[a], rim[b]))
                 if edge and any(f not in planned.rim.replaced for f in edge.link_faces):
-                    return f"An edge with faces joins vertices {a} and {b} across the hole"
-    return ""
+                    return tripatch.Message("edge_across_hole", {}, (a, b))
+    return None
 
 
 def sides(rim, corners):
@@ -306,7 +306,7 @@ def _write_deviation(bm, planned, new_faces):
 def write(bm, mesh, all_planned, options):
     """Writes fills into the BMesh; returns the new faces. The BMesh is the one that they were planned on. options: see
     filling.Options; layers are those that layers_of_fills has made."""
-    waiting.goes_on()
+    waiting.must_finish()
     if any(len(planned.fill.creases[0]) for planned in all_planned):
         subdivision.edge_crease_layer(bm)  # before any other layer is held
     custom = None

@@ -9,14 +9,14 @@ namespace {
 
 constexpr AboutMessage all[] = {
 #define MESSAGE(code, kind, sentence, panel, meaning) {#code, #kind, sentence, panel, meaning},
-#define MESSAGE_OF_PYTHON MESSAGE
 #include "tripatch/messages.def"
+#define MESSAGE_OF_PYTHON(code, kind, sentence, panel, meaning) {#code, #kind, sentence, panel, meaning},
+#include "tripatch/interface_messages.def"
 };
 
-// one row for each code, in the same order; rows of what only Python says follow
+// one row for each code, in the same order; the rows of interfaces follow
 constexpr int first_row = __COUNTER__ + 1;
 #define MESSAGE(code, ...) static_assert(static_cast<int>(Code::code) == __COUNTER__ - first_row);
-#define MESSAGE_OF_PYTHON(...)
 #include "tripatch/messages.def"
 
 constexpr std::size_t most_named = 8;  ///< vertices in a sentence: more are not read

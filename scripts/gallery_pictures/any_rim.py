@@ -214,9 +214,9 @@ def without_faces(vertices, faces, gone):
     left = [f for k, f in enumerate(faces) if k not in gone]
     used = sorted({v for f in left for v in f})
     number = {old: new for new, old in enumerate(used)}
-    beside = {number[v] for k in gone for v in faces[k] if v in number}
+    adjacent = {number[v] for k in gone for v in faces[k] if v in number}
     faces = [[number[v] for v in f] for f in left]
-    return vertices[used], faces, next(r for r in tripatch.find_holes(faces) if set(r) <= beside)
+    return vertices[used], faces, next(r for r in tripatch.find_holes(faces) if set(r) <= adjacent)
 
 
 def rows_of_quads(columns, rows, cells, at):

@@ -140,8 +140,9 @@ def refined(points, cells):
     n, number = len(points), {edge: len(points) + k for k, edge in enumerate(edges)}
     on_edges = np.array(
         [
-            (points[a] + points[b] + (middle[beside].sum(axis=0) if len(beside) == 2 else 0)) / (4 if len(beside) == 2 else 2)
-            for (a, b), beside in edges.items()
+            (points[a] + points[b] + (middle[adjacent].sum(axis=0) if len(adjacent) == 2 else 0))
+            / (4 if len(adjacent) == 2 else 2)
+            for (a, b), adjacent in edges.items()
         ]
     )
     sums, count, mids, border = np.zeros_like(points), np.zeros(n), np.zeros_like(points), np.zeros(n, bool)
@@ -149,9 +150,9 @@ def refined(points, cells):
         sums[cell] += middle[f]
         count[cell] += 1
     rim_sum = np.zeros_like(points)
-    for (a, b), beside in edges.items():
+    for (a, b), adjacent in edges.items():
         mids[[a, b]] += (points[a] + points[b]) / 2
-        if len(beside) == 1:
+        if len(adjacent) == 1:
             border[[a, b]] = True
             rim_sum[[a, b]] += (points[a] + points[b]) / 2
     k = count[:, None]

@@ -15,7 +15,7 @@ from wheels import VERSION
 GLIBC = (2, 17)  # manylinux_2_17
 MACOS = (11, 0)
 # MB; a module of 4 to 7 that doubles has something in it that does not belong there
-MOST_MEGABYTES = 16
+MAX_MEGABYTES = 16
 LIBRARIES = {
     "Linux": re.compile(r"(libc|libm|libpthread|libdl|librt)\.so\.\d|ld-linux-[\w-]+\.so\.\d"),
     "Windows": re.compile(r"python3\d\d\.dll|KERNEL32\.dll|ntdll\.dll|api-ms-win-crt-[\w-]+\.dll", re.IGNORECASE),
@@ -87,7 +87,7 @@ def wheel_faults(path: Path) -> list[str]:
             for name in ("LICENSE", "THIRD_PARTY.txt", "OpenSubdiv-LICENSE.txt", "OpenSubdiv-NOTICE.txt")
         }
         faults += [f"lacks {name}" for name in sorted((wanted | {"tripatch/__init__.py", "tripatch/py.typed"}) - set(names))]
-    if path.stat().st_size > MOST_MEGABYTES * 2**20:
+    if path.stat().st_size > MAX_MEGABYTES * 2**20:
         faults.append(f"is {path.stat().st_size >> 20} MB large")
     return faults
 

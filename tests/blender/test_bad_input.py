@@ -205,7 +205,7 @@ def test_a_wire_across_the_rim(refusal):
     wire = bm.edges.new((loop[0], loop[5]))
     scenes.select(bm, edges=[wire])
     sentence = refusal(ob)
-    assert "no face beside it" in sentence
+    assert "has no face, so nothing can be continued there" in sentence
     assert str(loop[0].index) in sentence
 
 

@@ -113,7 +113,7 @@ def half(mode):
     return [ob]
 
 
-def beside(mode):
+def adjacent(mode):
     """The fill of a cage's limit surface is an object of its own."""
     ob = scenes.add_hole()
     ob.modifiers.new("Subdivision", "SUBSURF")
@@ -162,7 +162,7 @@ CHANGES = {
     "old name": of_sheet(by_options("fill_three_sided")),
     "cage": of_sheet(by_options(output="cage"), subdivided=True),
     "exact cage": of_sheet(by_options(output="cage", cage_rim="exact"), subdivided=True),
-    "limit surface": beside,
+    "limit surface": adjacent,
     "custom normals": of_sheet(by_options(), normals=True),
     "deviation": of_sheet(by_options(deviation=True)),
     "attributes that stand aside": of_sheet(by_options(), matrices=True),

@@ -131,7 +131,7 @@ def test_a_failure_leaves_the_last_good_fill_and_says_so(live, following):
     bmesh.ops.contextual_create(bm, geom=scenes.border_loops(bm)[0])
     bmesh.update_edit_mesh(ob.data)
     after_a_change(following)
-    assert live.problem_of(fill) == "The hole is gone: there is no border of the mesh where it was"
+    assert live.problem_of(fill) == "The hole is gone: the mesh has no border where it was"
     assert (points(fill) == good).all()
     bm = bmesh.from_edit_mesh(ob.data)
     bm.faces.ensure_lookup_table()
@@ -650,7 +650,7 @@ def test_the_fill_of_a_mesh_that_is_deleted_is_left_as_a_mesh(live, following):
     before = points(fill)
     bpy.data.objects.remove(ob)
     assert after_a_change(following)
-    assert live.problem_of(fill) == "An object that it followed is gone; apply it, or delete it"
+    assert live.problem_of(fill) == "An object that it followed is gone; apply the fill, or delete it"
     assert bpy.ops.object.apply_live_fill() == {"FINISHED"}
     assert not live.is_live(fill) and (points(fill) == before).all()
     assert fill.display_type == "TEXTURED" and not fill.hide_render
@@ -746,7 +746,7 @@ def test_a_fill_between_surfaces_follows_when_they_are_moved(live, following):
     assert live.problem_of(fill) == ""
     bpy.data.objects.remove(objects[0])
     after_a_change(following)
-    assert live.problem_of(fill) == "An object that it followed is gone; apply it, or delete it"
+    assert live.problem_of(fill) == "An object that it followed is gone; apply the fill, or delete it"
     assert bpy.ops.object.update_live_fill() == {"FINISHED"}
     assert json.loads(fill["tripatch_live"])["kind"] == "patches"
 

@@ -114,8 +114,8 @@ def test_loose_vertices_and_edges_that_are_selected_are_met(output, corners, met
     for point in points:
         assert np.linalg.norm(at - point, axis=1).min() < 1e-6
     assert len([v for v in ob.data.vertices if np.abs(points - np.array(v.co)).sum(axis=1).min() < 1e-6]) == len(points)
-    beside = {v for p in ob.data.polygons for v in p.vertices}
-    assert beside == set(range(len(ob.data.vertices))), "the loose vertices are those of the fill"
+    adjacent = {v for p in ob.data.polygons for v in p.vertices}
+    assert adjacent == set(range(len(ob.data.vertices))), "the loose vertices are those of the fill"
     assert not any(edge.is_loose for edge in ob.data.edges)
 
 

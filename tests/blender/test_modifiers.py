@@ -81,7 +81,7 @@ def test_what_moves_the_rim_is_named():
     ob = cage(cast)
     before = [tuple(v.co) for v in bmesh.from_edit_mesh(ob.data).verts]
     with pytest.raises(
-        RuntimeError, match="The modifier 'Cast' of Cage.* moves the rim before the cage is subdivided; .*edit mode"
+        RuntimeError, match="The modifier 'Cast' of Cage.* moves the boundary before the cage is subdivided; .*edit mode"
     ):
         smooth()
     assert [tuple(v.co) for v in bmesh.from_edit_mesh(ob.data).verts] == before
@@ -256,7 +256,7 @@ def test_a_live_fill_says_so_when_its_mirror_is_gone(addon):
     smooth(keep_live=True)
     (fill,) = live.fills()
     ob.modifiers.remove(ob.modifiers["Mirror"])
-    assert live.refill(fill) == "The hole is gone: there is no border of the mesh where it was"
+    assert live.refill(fill) == "The hole is gone: the mesh has no border where it was"
 
 
 @pytest.mark.parametrize("middle", [(0.0, 0.5), (0.5, 0.0), (0.5, 0.5)])
@@ -481,7 +481,7 @@ def posed(ob, by=(0, 2, 0)):
 
 def test_what_a_modifier_moves_by_a_vertex_group_is_noticed():
     cage(posed)
-    with pytest.raises(RuntimeError, match="Armature.*moves the rim"):
+    with pytest.raises(RuntimeError, match="Armature.*moves the boundary"):
         smooth(output="cage")
 
 

@@ -136,7 +136,7 @@ def test_deviation_is_the_attribute_of_that_name(overlay, shown):
     attribute.data.foreach_set("value", values)
     ob.data.update()
     made = seen(shown, ob, surface="DEVIATION")
-    assert "Deviation up to 0.25 (red from 0.25), grey: not known" in made.told
+    assert "Deviation up to 0.25 (red from 0.25), gray: unknown at " in " ".join(made.told)
     assert np.isclose(made.colors[:, :3], 0.75).all(axis=1).any()
 
 

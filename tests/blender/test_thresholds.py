@@ -57,7 +57,7 @@ def tree_of(points):
 def test_a_drawn_point_is_the_computed_one_to_two_millionths_of_the_extent(part):
     drawn = np.array([(0.0, 0, 0), (1, 0, 0)])
     for off, missing in ((1.94e-6, 0), (2.06e-6, 1)):
-        assert part("beside")._read_off(np.array([(0, off, 0)]), drawn, tree_of(drawn))[1] == missing
+        assert part("limit_objects")._read_off(np.array([(0, off, 0)]), drawn, tree_of(drawn))[1] == missing
 
 
 def test_a_vertex_inside_is_taken_up_by_a_fill_that_has_one_within_a_hundred_thousandth_of_the_rim(part):

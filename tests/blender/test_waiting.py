@@ -327,7 +327,7 @@ def test_an_operator_that_waits_is_ended(operator, how):
     assert operator.run_and_wait(desk) == {"RUNNING_MODAL"}
     if how == "Esc":
         assert operator.modal(desk, event("ESC")) == {"CANCELLED"}
-        assert operator.reported == ("Stopped; the mesh is as it was",)
+        assert operator.reported == ("Stopped; the mesh is unchanged",)
     elif how == "closed":
         operator.cancel(desk)
     else:

@@ -8,7 +8,7 @@ import numpy as np
 import tripatch
 from random_holes import closed_mesh, directed, with_hole
 
-MOST_FACES = 900
+MAX_FACES = 900
 
 
 def _longest_rim(faces):
@@ -137,7 +137,7 @@ SPOILT = (
 def spoiled_mesh(rng):
     """Points, faces, and what was done to them."""
     points, faces, what = closed_mesh(rng)
-    while len(faces) > MOST_FACES:
+    while len(faces) > MAX_FACES:
         points, faces, what = closed_mesh(rng)
     faces = with_hole(faces, rng)
     chosen = [SPOILT[k] for k in rng.permutation(len(SPOILT))[: int(rng.choice([1, 1, 2, 3]))]]

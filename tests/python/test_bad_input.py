@@ -40,13 +40,13 @@ def around(inner, height=0.2):
 def octant_with(change):
     """An open octant whose vertices, faces or rim `change` spoils; `next to` is the face next to the rim's first edge."""
     vertices, faces, rim = octant()
-    beside = next(f for f, face in enumerate(faces) if {rim[0], rim[1]} <= set(face))
-    change(vertices, faces, rim, beside)
+    adjacent = next(f for f, face in enumerate(faces) if {rim[0], rim[1]} <= set(face))
+    change(vertices, faces, rim, adjacent)
     return vertices, faces, {"rim": rim}
 
 
 def put(k, value):
-    return octant_with(lambda v, faces, rim, beside: v.__setitem__(rim[k], value))
+    return octant_with(lambda v, faces, rim, adjacent: v.__setitem__(rim[k], value))
 
 
 def with_fins():
@@ -57,16 +57,16 @@ def with_fins():
     return np.vstack([vertices, tips]), [*faces, [a, b, n], [b, a, n + 1]], {"rim": rim}
 
 
-def flip(v, faces, rim, beside):
-    faces[beside] = faces[beside][::-1]
+def flip(v, faces, rim, adjacent):
+    faces[adjacent] = faces[adjacent][::-1]
 
 
-def double(v, faces, rim, beside):
-    faces.append(faces[beside])
+def double(v, faces, rim, adjacent):
+    faces.append(faces[adjacent])
 
 
 def merge(a, b, method="auto"):
-    def change(v, faces, rim, beside):
+    def change(v, faces, rim, adjacent):
         v[rim[a]] = v[rim[b]]
 
     vertices, faces, options = octant_with(change)

@@ -66,8 +66,8 @@ def test_new_faces_use_the_vertices_of_the_faces_beside_them():
     fills = tripatch.fill_all(vertices, faces)
     old = {edge for face in faces for edge in zip(face, [*face[1:], face[0]])}
     for fill in fills:
-        beside = {(b, a) for face in fill.faces for a, b in zip(face, [*face[1:], face[0]])} & old
-        assert len(beside) == 24  # every edge of the rim is shared with the face beyond it
+        adjacent = {(b, a) for face in fill.faces for a, b in zip(face, [*face[1:], face[0]])} & old
+        assert len(adjacent) == 24  # every edge of the rim is shared with the face beyond it
 
 
 @pytest.fixture
@@ -126,7 +126,7 @@ def box(noise=0.0):
     return np.concatenate(points), np.array(faces)
 
 
-def least_height(vertices, faces):
+def min_height(vertices, faces):
     """Of triangles, the smallest height over the longest edge."""
     corners = np.asarray(vertices)[np.asarray(faces)]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
@@ -140,7 +140,7 @@ def test_join_puts_vertices_into_the_edges_that_they_lie_on(noise, kind):
     vertices, faces = box(noise)
     joined, all_faces = tripatch.fill_holes(vertices, kind(faces), join=1e-3)
     assert type(all_faces) is type(kind(faces)) and len(joined) == len(vertices)
-    assert open_edges(joined, all_faces, []) == 0 and least_height(joined, all_faces) > 1
+    assert open_edges(joined, all_faces, []) == 0 and min_height(joined, all_faces) > 1
     fills = tripatch.fill_all(vertices, kind(faces), join=1e-3)
     assert fills == [] and len(fills.joined.splits) > 0
     assert np.array_equal(tripatch.merge(vertices, kind(faces), fills)[1], all_faces)
@@ -168,7 +168,7 @@ def test_a_trimesh_is_joined_with_its_colors(noise):
     colors = np.random.default_rng(1).integers(0, 255, (len(faces), 4))
     mesh = trimesh.Trimesh(vertices, faces, process=False, face_colors=colors)
     joined = tripatch.fill_holes(mesh, join=1e-3)
-    assert open_edges(joined.vertices, joined.faces, []) == 0 and least_height(joined.vertices, joined.faces) > 1
+    assert open_edges(joined.vertices, joined.faces, []) == 0 and min_height(joined.vertices, joined.faces) > 1
     middle = joined.triangles_center
     for k in range(len(joined.faces)):
         inside = [f for f in range(len(faces)) if np.abs(mesh.face_normals[f] @ (middle[k] - vertices[faces[f][0]])) < 1e-3]
@@ -226,7 +226,7 @@ def test_joined_files_have_no_slits(noise, suffix, tmp_path, capsys):
         assert re.match(r"Joined borders: (\d+ vertices moved, )?\d+ vertices put into edges\n", text)
         mesh = tripatch.read(out)
         assert open_edges(mesh.vertices, mesh.faces, []) == 0
-        assert suffix != ".stl" or least_height(mesh.vertices, mesh.faces) > 1
+        assert suffix != ".stl" or min_height(mesh.vertices, mesh.faces) > 1
 
 
 def test_joining_an_stl_file_is_undone_by_its_report(tmp_path, capsys):
@@ -276,8 +276,8 @@ def test_holes_that_do_not_face_each_other_are_no_islands(name):
     else:  # a wall with a pinhole on both sides
         vertices, faces = cube_sphere(20)
         top = int(np.argmax([vertices[face].mean(axis=0)[2] for face in faces]))
-        beside = next(f for f, face in enumerate(faces) if f != top and set(face) & set(faces[top]))
-        outside = [face for f, face in enumerate(faces) if f not in (top, beside)]
+        adjacent = next(f for f, face in enumerate(faces) if f != top and set(face) & set(faces[top]))
+        outside = [face for f, face in enumerate(faces) if f not in (top, adjacent)]
         parts = [(vertices, outside), (0.9 * vertices, [face[::-1] for f, face in enumerate(faces) if f != top])]
     vertices, faces = together(*parts)
     fills = tripatch.fill_all(vertices, faces)

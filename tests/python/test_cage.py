@@ -356,15 +356,15 @@ def test_the_cage_of_a_bevelled_corner_stays_within_the_cube(segments, width):
 
 def row_of_holes(count, edges, between):
     """A wavy mesh of quads with square holes in a row: vertices, faces, rims."""
-    beside = 3 + between
-    width, height = beside + count * (edges + between) + 3, edges + 2 * beside
-    lefts = [beside + k * (edges + between) for k in range(count)]
+    adjacent = 3 + between
+    width, height = adjacent + count * (edges + between) + 3, edges + 2 * adjacent
+    lefts = [adjacent + k * (edges + between) for k in range(count)]
     number = np.arange((width + 1) * (height + 1)).reshape(width + 1, height + 1)
     i, j = np.indices(number.shape)
     vertices = np.stack([i, j, 2 * np.sin(0.11 * i) * np.cos(0.13 * j)], axis=-1).reshape(-1, 3) / edges
     gone = np.zeros((width, height), bool)
     for left in lefts:
-        gone[left : left + edges, beside : beside + edges] = True
+        gone[left : left + edges, adjacent : adjacent + edges] = True
     corners = np.stack([number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]], axis=-1)
     faces = corners[~gone].tolist()
     return vertices, faces, [rim for rim in tripatch.find_holes(faces) if len(rim) == 4 * edges]

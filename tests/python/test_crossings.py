@@ -35,11 +35,11 @@ def crosses(points, faces):
     return False
 
 
-def ribbon(loop, beside):
+def ribbon(loop, adjacent):
     """A strip of quads along a closed loop: vertices, faces, the loop as the rim that new faces take."""
     n = len(loop)
     return (
-        np.concatenate([loop, beside]),
+        np.concatenate([loop, adjacent]),
         [[(k + 1) % n, k, n + k, n + (k + 1) % n] for k in range(n)],
         list(range(n)),
     )

@@ -182,7 +182,7 @@ def test_bad_cages():
     left, _ = corner_removed(vertices, faces, 2)
     rim = tripatch.find_holes(left)[0].tolist()
     options = {"rim": rim, "corners": rim[::4], "surroundings": "limit"}
-    beside = next(f for f in left if len(set(rim) & set(f)) == 2)
+    adjacent = next(f for f in left if len(set(rim) & set(f)) == 2)
     far = max(left, key=lambda f: np.linalg.norm(vertices[f].mean(axis=0) - vertices[rim].mean(axis=0)))
 
     def refusal(*mesh):
@@ -190,23 +190,23 @@ def test_bad_cages():
             tripatch.fill(*mesh, **options)
         return caught.value.code
 
-    on_rim = [v for v in beside if v in rim]
+    on_rim = [v for v in adjacent if v in rim]
     assert "faces_on_both_sides" == refusal(*with_fin(vertices, left, *on_rim))
-    assert "faces_on_both_sides" == refusal(vertices, left + [beside])
-    assert "faces_flipped" == refusal(vertices, [f[::-1] if f is beside else f for f in left])
+    assert "faces_on_both_sides" == refusal(vertices, left + [adjacent])
+    assert "faces_flipped" == refusal(vertices, [f[::-1] if f is adjacent else f for f in left])
     moved = vertices.copy()
-    moved[beside] = np.nan
+    moved[adjacent] = np.nan
     assert refusal(moved, left) == "vertex_not_finite"
-    moved[beside] = 0
+    moved[adjacent] = 0
     assert refusal(moved, left) == "edge_without_length"
     # what OpenSubdiv itself rejects
     angle = np.linspace(0, 6, 70000)
     many = np.vstack([vertices, np.stack([np.cos(angle), np.sin(angle), angle], axis=1)])
-    ngon = [next(v for v in beside if v not in rim), *range(len(vertices), len(many))]
+    ngon = [next(v for v in adjacent if v not in rim), *range(len(vertices), len(many))]
     assert refusal(many, left + [ngon]) == "face_has_many_corners"
 
     plain = tripatch.fill(vertices, left, **options)
-    away = [v for v in beside if v not in rim]
+    away = [v for v in adjacent if v not in rim]
     for mesh in (with_fin(vertices, left, *far[:2]), with_fin(vertices, left, *away)):
         fill = tripatch.fill(*mesh, **options)
         assert fill.report.seam_angle_max < 1e-5 and np.abs(fill.vertices - plain.vertices).max() < 0.1

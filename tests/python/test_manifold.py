@@ -44,10 +44,10 @@ def test_no_edge_has_more_than_two_faces(data):
     gone = {data.draw(st.integers(0, 19))}
     for _ in range(data.draw(st.integers(1, 17))):
         at = directed([FACES[f] for f in gone])
-        beside = [f for f in range(20) if f not in gone and any((b, a) in at for a, b in directed([FACES[f]]))]
-        if not beside:
+        adjacent = [f for f in range(20) if f not in gone and any((b, a) in at for a, b in directed([FACES[f]]))]
+        if not adjacent:
             break
-        gone.add(data.draw(st.sampled_from(beside)))
+        gone.add(data.draw(st.sampled_from(adjacent)))
     left = [face for f, face in enumerate(FACES) if f not in gone]
     noise = np.array(data.draw(st.lists(st.floats(-0.3, 0.3), min_size=36, max_size=36))).reshape(12, 3)
     output = data.draw(st.sampled_from(["triangles", "quads"]))

@@ -43,9 +43,9 @@ def test_vertices_put_on_edges_are_not_taken_for_points_of_the_surface(where):
     ]
     taken, apart = set(), []  # no two in one triangle
     for e in edges:
-        beside = [k for k, face in enumerate(faces) if set(e) <= set(map(int, face))]
-        if not taken & set(beside):
-            taken |= set(beside)
+        adjacent = [k for k, face in enumerate(faces) if set(e) <= set(map(int, face))]
+        if not taken & set(adjacent):
+            taken |= set(adjacent)
             apart.append(e)
     assert len(apart) > 20
     clean = rim_error(vertices, faces, rim)

@@ -1,18 +1,21 @@
 """What users read has a code, and its sentence is made of one pattern."""
 
+import ast
 import copy
 import json
 import pickle
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import tripatch
-from tripatch import messages
+from tripatch import messages, words
 
+ROOT = Path(__file__).resolve().parents[2]
 OCTAHEDRON = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]], float)
 FACES = [[1, 2, 3], [2, 0, 4], [0, 1, 5], [3, 4, 5], [2, 4, 3], [0, 5, 4], [1, 3, 5]]
 
@@ -24,7 +27,7 @@ def fields(pattern):
 @pytest.mark.parametrize("code", messages.TABLE)
 def test_patterns_are_well_formed(code):
     row = messages.TABLE[code]
-    assert row.kind in ("refusal", "warning", "note")
+    assert row.kind in ("refusal", "warning", "report", "note")
     for pattern in filter(None, (row.sentence, row.panel)):
         assert pattern.count("{") == pattern.count("}") == len(fields(pattern))
         assert pattern.count("[") == pattern.count("]")
@@ -36,7 +39,7 @@ def test_patterns_are_well_formed(code):
 
 
 def test_the_page_of_messages_is_current():
-    script = Path(__file__).resolve().parents[2] / "scripts" / "messages"
+    script = ROOT / "scripts" / "messages"
     assert subprocess.run([sys.executable, script, "--check"], capture_output=True, text=True, check=False).stderr == ""
 
 
@@ -159,11 +162,14 @@ def provoked():
             yield from fill.report.warnings
 
 
-def test_nothing_in_a_sentence_is_glued_on(monkeypatch):
-    from dataclasses import replace
-
+@pytest.fixture
+def in_pseudo_language(monkeypatch):
+    """Every pattern of the table in it."""
     table = {code: replace(row, sentence=pseudo(row.sentence), panel=pseudo(row.panel)) for code, row in messages.TABLE.items()}
     monkeypatch.setattr(messages, "TABLE", table)
+
+
+def test_nothing_in_a_sentence_is_glued_on(in_pseudo_language):
     seen = set()
     for message in provoked():
         seen.add(message.code)
@@ -176,3 +182,53 @@ def test_nothing_in_a_sentence_is_glued_on(monkeypatch):
                 said = said.replace(name, "")
             assert not re.search("[A-Za-z]", OF_FORMAT.sub("", said)), said
     assert len(seen) > 10
+
+
+def summaries():
+    """What is said of fills, and of borders that stay open."""
+    report = tripatch.fill(OCTAHEDRON, FACES).report
+    yield from (words.filled([]), words.filled([report] * 2, into=["A", "B"], triangles=1, quads=3, bend=4.0))
+    yield words.filled([report], limit=True)
+    cage = tripatch.fill(OCTAHEDRON, FACES, output="cage").report
+    yield words.filled([cage], cage_rim="exact", quads=12)
+    for edges in ([3], [3, 4], [5, 5], [3, 4, 5, 6, 7], []):
+        yield words.nothing_to_fill(edges, "--outer")
+    yield from (words.joined(1, 0), words.joined(0, 2), words.joined(3, 1))
+
+
+def test_nothing_in_a_summary_is_glued_on(in_pseudo_language):
+    for message in summaries():
+        said = str(message)
+        for name in (*names_in(message), "--outer"):
+            said = said.replace(name, "")
+        assert not re.search("[A-Za-z]", OF_FORMAT.sub("", said)), said
+
+
+def test_the_add_on_glues_no_sentence_together():
+    """A text that is made of parts, or handed on, has no two words in its code: sentences are in the table."""
+    two_words = re.compile(r"[A-Za-z]{2,} [a-z]{2,}|\b[a-z]{2,} \Z|\A [a-z]{2,}\b")
+    for file in (ROOT / "addon" / "tripatch_blender").glob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            parts = node.values if isinstance(node, ast.JoinedStr) else node.args if isinstance(node, ast.Call) else []
+            for part in parts:
+                text = part.value if isinstance(part, ast.Constant) and isinstance(part.value, str) else ""
+                assert " " not in text or not two_words.search(text), f"{file.name}:{part.lineno}: {text}"
+
+
+def test_codes_that_the_add_on_names_are_in_the_table():
+    makers = {"Message", "UnusableError", "_LeftOut", "_UsageError", "said"}
+    named = set()
+    for file in (ROOT / "addon" / "tripatch_blender").glob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.Call) and getattr(node.func, "attr", getattr(node.func, "id", "")) in makers and node.args:
+                named |= {each.value for each in ast.walk(node.args[0]) if isinstance(each, ast.Constant)}
+    named.discard("inactive_")
+    assert named - set(messages.TABLE) == set()
+    assert len(named) > 80
+
+
+def test_the_sentences_for_a_missing_library_are_those_of_the_table():
+    tree = ast.parse((ROOT / "addon" / "tripatch_blender" / "library.py").read_text())
+    values = {n.targets[0].id: n.value for n in tree.body if isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Name)}
+    for code in ("needs_numpy", "library_missing"):
+        assert ast.literal_eval(values[code.upper()]) == messages.TABLE[code].sentence

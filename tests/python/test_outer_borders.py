@@ -112,7 +112,7 @@ def test_many_borders_are_told_by_the_smallest_and_the_largest():
     assert words.left_open([]) == ""
     assert words.left_open([7, 4, 5]) == "3 outer borders left open (4, 5 and 7 edges)"
     assert words.left_open([6, 6]) == "2 outer borders left open (6 edges each)"
-    assert words.left_open([9, 4, 5, 6, 7], "use --outer") == "5 outer borders left open (4 to 9 edges); use --outer to fill them"
+    assert words.left_open([9, 4, 5, 6, 7], "--outer") == "5 outer borders left open (4 to 9 edges); use --outer to fill them"
 
 
 def test_a_batch_of_files_without_holes_succeeds_and_says_what_is_left_open(tmp_path, capsys):

@@ -237,8 +237,8 @@ def test_options_by_side_have_one_value_a_side():
     fuller = tripatch.fill(vertices, faces, **hole, bulge=(1, 1, 1.5, 1, 1))
     even = tripatch.fill(vertices, faces, **hole, method="multi_sided")
     ends = even.patch.domain
-    beside = 0.85 * 0.5 * (ends + np.roll(ends, -1, axis=0))
-    moved = np.linalg.norm(fuller.patch.evaluate(beside) - even.patch.evaluate(beside), axis=1)
+    adjacent = 0.85 * 0.5 * (ends + np.roll(ends, -1, axis=0))
+    moved = np.linalg.norm(fuller.patch.evaluate(adjacent) - even.patch.evaluate(adjacent), axis=1)
     assert np.argmax(moved) == 2 and moved[2] > 1.5 * np.sort(moved)[-2]
     for wrong in ({"bulge": (1, 2, 3)}, {"continuity": ("G1",) * 4}):
         with pytest.raises(ValueError, match="of 5 sides; give one, or one a side"):
@@ -326,14 +326,14 @@ def plane_sides(corners, across):
 
     def side(i):
         a, b = corners[i], corners[(i + 1) % len(corners)]
-        along, beside = b - a, np.array((a[1] - b[1], b[0] - a[0]))
+        along, adjacent = b - a, np.array((a[1] - b[1], b[0] - a[0]))
         off = across if i == 0 else lambda t: (0 * t, 0 * t)
 
         def c(t):
-            return np.column_stack([a + np.outer(t, along) + np.outer(off(np.asarray(t))[0], beside), 0 * np.asarray(t)])
+            return np.column_stack([a + np.outer(t, along) + np.outer(off(np.asarray(t))[0], adjacent), 0 * np.asarray(t)])
 
         def d(t):
-            return np.column_stack([along + np.outer(off(np.asarray(t))[1], beside), 0 * np.asarray(t)])
+            return np.column_stack([along + np.outer(off(np.asarray(t))[1], adjacent), 0 * np.asarray(t)])
 
         return tripatch.Side.from_functions(c, d, lambda t: np.cross(d(t), (0.0, 0, 1)))
 

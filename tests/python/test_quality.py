@@ -319,14 +319,16 @@ def test_deviation_is_red_where_it_is_large_and_grey_where_nobody_knows(tmp_path
     mesh, out = known(tmp_path / "in.ply", *flat, values), tmp_path / "o.png"
     assert cli.main(["view", str(mesh), "--deviation", str(out), "--from", "0,0,1", "--size", "100,100"]) == 0
     told = capsys.readouterr().out
-    assert f"deviation up to {flat[0][:, 0].max():.3g}" in told and f"unknown at {(values(flat[0]) < 0).sum()} vertices" in told
+    assert f"Deviation up to {flat[0][:, 0].max():.3g}" in told and f"unknown at {(values(flat[0]) < 0).sum()} vertices" in told
     image = read_png(out).astype(int)
     upper, left, right = image[20, 50], image[80, 20], image[80, 90]
     assert np.ptp(upper) <= 2 and left[2] > left[0] + 40 and right[0] > right[2] + 40
     _, told = view.picture(*flat, kind="deviation", size=(20, 20), deviation=np.ones(len(flat[0])))
-    assert told == "deviation up to 1 (red from 1)"
-    assert cli.main(["view", str(mesh), "--deviation", str(out), "--most", "100", "--from", "0,0,1"]) == 0
+    assert told == "Deviation up to 1 (red from 1)"
+    assert cli.main(["view", str(mesh), "--deviation", str(out), "--max", "100", "--from", "0,0,1"]) == 0
     assert "red from 100" in capsys.readouterr().out
+    assert cli.main(["view", str(mesh), "--deviation", str(out), "--most", "100"]) == 0
+    assert "red from 100" in capsys.readouterr().out, "the first name of --max"
     other = write(tmp_path / "in.obj", *flat)
     assert cli.main(["view", str(other), "--deviation", str(out)]) == 2
     assert "has no error estimates" in capsys.readouterr().err
@@ -346,6 +348,22 @@ def test_every_kind_of_picture(tmp_path, capsys, kind):
     assert str(tmp_path / "out.png") in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("suffix", [".ply", ".obj"])
+def test_the_stripes_of_fills_are_orange(tmp_path, capsys, suffix):
+    vertices, triangles = grid(lambda x, y: 0.2 * x * y)
+    middle = np.linalg.norm(vertices[triangles].mean(axis=1), axis=1) < 0.3
+    mesh, filled, out = write(tmp_path / "in.obj", vertices, triangles[~middle]), tmp_path / f"out{suffix}", tmp_path / "o.png"
+    if suffix == ".ply":
+        mesh = known(tmp_path / "in.ply", vertices, triangles[~middle], lambda v: 0 * v[:, 0])
+    assert cli.main(["fill", str(mesh), str(filled), "--all"]) == 0
+    for file, orange in ((filled, True), (mesh, False)):
+        assert cli.main(["view", str(file), str(out), "--zebra", "--from", "0,0,1", "--size", "100,100", "--lines", "40"]) == 0
+        image = read_png(out).astype(int)
+        warm = image[:, :, 0] > image[:, :, 2] + 60
+        assert warm.any() == orange and not (warm[:20].any() or warm[80:].any()), file
+    capsys.readouterr()
+
+
 def test_a_rim_that_is_a_crease_is_red_and_named(tmp_path, capsys):
     vertices, triangles = grid(lambda x, y: 0.3 * np.abs(y))
     mesh = write(tmp_path / "in.obj", vertices, triangles)
@@ -355,7 +373,7 @@ def test_a_rim_that_is_a_crease_is_red_and_named(tmp_path, capsys):
         cli.main(["view", str(mesh), "--seam", str(tmp_path / "o.png"), "--rim", rim, "--from", "0,0,1", "--size", "320,240"])
         == 0
     )
-    assert f"seam within {2 * np.degrees(np.arctan(0.3)):.3g}°" in capsys.readouterr().out
+    assert f"Seam within {2 * np.degrees(np.arctan(0.3)):.3g}°" in capsys.readouterr().out
     image = read_png(tmp_path / "o.png")
     reddish = (image[:, :, 0] > 1.6 * image[:, :, 2]).sum(axis=1)
     assert reddish.argmax() == pytest.approx(image.shape[0] / 2, abs=5) and reddish.max() > 100
@@ -369,7 +387,7 @@ def test_what_cannot_be_drawn_is_said(tmp_path, capsys):
     assert "cannot be written" in capsys.readouterr().err
     assert cli.main(["view", str(mesh), "--zebra", str(tmp_path / "o.png"), "--direction", "0,0,0"]) == 2
     bad = {"--direction=inf,0,0": "finite", "--from=nan,1,1": "finite", "--lines=nan": "finite"}
-    bad |= {"--most=nan": "finite, not nan", "--most=-1": "finite, not -1", "--most=0": "greater than 0"}
+    bad |= {"--max=nan": "finite, not nan", "--max=-1": "finite, not -1", "--max=0": "greater than 0"}
     for option, word in bad.items():
         assert cli.main(["view", str(mesh), "--seam", str(tmp_path / "o.png"), option]) == 2
         assert word in capsys.readouterr().err

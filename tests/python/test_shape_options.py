@@ -85,8 +85,8 @@ def test_tangent_planes_along_the_rim_stay(method, name):
     plain, made = fill(method), fill(method, **{name: OPTIONS[name]})
     along = plain.patch.normal(plain.rim_uv), made.patch.normal(made.rim_uv)
     assert np.abs(along[0] - along[1]).max() < 1e-9
-    beside = made.rim_uv + 1e-4 * (made.rim_uv.mean(axis=0) - made.rim_uv)
-    assert np.abs(plain.patch.normal(beside) - made.patch.normal(beside)).max() < 0.02
+    adjacent = made.rim_uv + 1e-4 * (made.rim_uv.mean(axis=0) - made.rim_uv)
+    assert np.abs(plain.patch.normal(adjacent) - made.patch.normal(adjacent)).max() < 0.02
     assert np.abs(np.linalg.norm(made.normals, axis=1) - 1).max() < 1e-12
     np.testing.assert_allclose(made.patch.evaluate(made.uv), made.vertices, atol=1e-12)
 

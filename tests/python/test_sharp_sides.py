@@ -71,8 +71,8 @@ def test_all_corners_between_walls_are_found_and_told(corners, edges):
     fill = tripatch.fill(vertices, faces, rim=rim)
     assert fill.report.corners == at
     assert tripatch.find_corners(vertices, faces, rim, any_number=True).tolist() == at
-    insisted = tripatch.fill(vertices, faces, rim=rim, method="multi_sided")
-    assert insisted.report.continuity == ["Free"] * len(at) and distance(insisted, slope) < 1e-12
+    requested = tripatch.fill(vertices, faces, rim=rim, method="multi_sided")
+    assert requested.report.continuity == ["Free"] * len(at) and distance(requested, slope) < 1e-12
 
 
 @pytest.mark.parametrize("given", [False, True])

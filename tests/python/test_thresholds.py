@@ -77,9 +77,9 @@ def test_a_border_turns_sharply_by_25_degrees():
 def test_pieces_go_on_that_turn_by_ten_degrees():
     first = edge((0, 0, 0), (1, 0, 0)).side
     for degrees, on in ((9.9, True), (10.1, False)):
-        assert between._goes_on(first, edge((1, 0, 0), (1, 0, 0) + turned(degrees)).side) == on
+        assert between._continues(first, edge((1, 0, 0), (1, 0, 0) + turned(degrees)).side) == on
         tilted = np.array([0, -np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
-        assert between._goes_on(first, edge((1, 0, 0), (2, 0, 0), tilted).side) == on
+        assert between._continues(first, edge((1, 0, 0), (2, 0, 0), tilted).side) == on
 
 
 def test_an_end_is_moved_by_two_ten_millionths_of_its_side():

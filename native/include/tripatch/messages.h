@@ -266,7 +266,7 @@ struct Wording {
 ///   {name:degrees}        an angle
 ///   {name:side}           the number of a side or corner
 ///   {name:names}          options or methods as the interface calls them
-///   {name:vertices}       "vertex 4", "vertices 4 and 5"; {name:Vertices} begins a sentence
+///   {name:vertices}       "vertex 4", "vertices 4 and 5". {name:Vertices} begins a sentence
 ///   {name:# edge|# edges} one or several, # being the number
 /// What stands in [brackets] is left out if a parameter in it is not there.
 std::string format(std::string_view pattern, const Message& message, const Wording& wording = {});

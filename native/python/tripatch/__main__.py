@@ -20,7 +20,7 @@ from tripatch.files import evidence
 
 FILLED, NOTHING, USAGE, SOME = 0, 1, 2, 3
 INTERRUPTED = 130  # what shells say of SIGINT
-MOST_TOLD = 20  # refusals: more run off the screen; of a mesh whose faces are not joined there is one for each face
+MAX_TOLD = 20  # refusals: more run off the screen; of a mesh whose faces are not joined there is one for each face
 
 _MAIN = """\
 Fills holes in meshes so that the new surface blends smoothly into the old one.
@@ -119,12 +119,19 @@ def _unheard(_: str) -> None:
 def _progress(done: int, total: int) -> None:
     """A line that is written over, where somebody looks on."""
     if total > 1 and sys.stderr.isatty():
-        print(f"\rtripatch: {done} of {total} holes", end="\n" if done == total else "", file=sys.stderr, flush=True)
+        said = tripatch.Message("holes_done", {"done": done, "total": total})
+        print(f"\rtripatch: {said}", end="\n" if done == total else "", file=sys.stderr, flush=True)
 
 
 def _refused(refusal: tripatch.Refusal, rim: Sequence[int] | None = None) -> None:
-    hole = "" if rim is None else f"Hole at vertex {min(rim)}: "
-    _say(hole + words.refused(refusal))
+    said = words.refused(refusal)
+    _say(said if rim is None else tripatch.Message("of_holes", {"count": 1, "reason": said}, [min(rim)]))
+
+
+def _explain_numbers(args: argparse.Namespace, said: Sequence[str]) -> None:
+    """Says from where vertices count, if messages name some and the lines of the file count otherwise."""
+    if args.input.suffix.lower() == ".obj" and any(isinstance(each, tripatch.Message) and each.names_vertices for each in said):
+        _say(tripatch.Message("obj_counts_from_one"))
 
 
 def _said(rim: Sequence[int] | None, result: Any) -> tuple[int, list[str]]:
@@ -165,13 +172,14 @@ def _tell(args: argparse.Namespace, holes: list[Any], left: Sequence[Any], out: 
 
 def _lines(holes: list[Any], why: bool) -> list[str]:
     """Of each hole what became of it; why: and all candidates for its fill."""
-    said = []
+    said = list[str]()
     for rim, result in holes:
         if isinstance(result, tripatch.Refusal):
-            said.append(f"Hole{'' if rim is None else f' through vertex {min(rim)}'}: refused")
+            said.append(tripatch.Message("hole_refused", {}, [] if rim is None else [min(rim)]))
         else:
-            new, report = words.counted(len(result.faces), "new face"), result.report
-            said.append(f"Hole at vertex {min(result.rim)}: {new} by {report.method} ({report.method_reason})")
+            report = result.report
+            filled = {"faces": len(result.faces), "method": report.method, "reason": report.method_reason}
+            said.append(tripatch.Message("hole_filled_by", filled, [min(result.rim)]))
             said += [f"  {row}" for row in words.candidates(report)] if why else []
     return said
 
@@ -200,7 +208,11 @@ def _gathering(args: argparse.Namespace) -> dict[str, Any]:
 
 
 def _left_open(args: argparse.Namespace, left: Sequence[Any]) -> str:
-    return words.left_open([len(loop) for loop in left], "use --outer" if args.all else "use --all --outer")
+    return words.left_open([len(loop) for loop in left], _option_of_outer(args))
+
+
+def _option_of_outer(args: argparse.Namespace) -> str:
+    return "--outer" if args.all else "--all --outer"
 
 
 def _out(args: argparse.Namespace, mesh: files.MeshFile, joined: borders.Joined | None = None) -> files.MeshFile:
@@ -216,7 +228,7 @@ def _out(args: argparse.Namespace, mesh: files.MeshFile, joined: borders.Joined 
 def _write(args: argparse.Namespace, out: files.MeshFile) -> None:
     out.write(args.out)
     if args.out.suffix.lower() != args.input.suffix.lower() and not args.quiet:
-        _say(f"{args.out} holds vertices and faces only; what else {args.input.suffix} files hold was left behind")
+        _say(f"{args.out}: {tripatch.Message('only_geometry_written', {'suffix': args.input.suffix})}")
 
 
 def _copied(args: argparse.Namespace, out: files.MeshFile, left: Sequence[Any], joined: borders.Joined | None) -> int:
@@ -226,7 +238,7 @@ def _copied(args: argparse.Namespace, out: files.MeshFile, left: Sequence[Any], 
     if not args.json and not args.quiet:
         if joined:
             print(words.joined(len(joined.moved[0]), len(joined.splits)))
-        print(f"Nothing to fill: {_left_open(args, left) or 'the mesh has no border'}")
+        print(words.nothing_to_fill([len(loop) for loop in left], _option_of_outer(args)))
     return FILLED
 
 
@@ -255,18 +267,19 @@ def _fill(args: argparse.Namespace) -> int:
         results = filling.fill_all(mesh.vertices, mesh.faces, found, progress=_progress, **options)
         holes = list(zip(results.rims, results, strict=True))
         if not holes:
-            _say("Nothing to fill: all holes were excluded by your filters")
+            _say(tripatch.Message("all_holes_filtered"))
     else:
         try:
             holes = [(options.get("rim"), tripatch.fill(mesh.vertices, mesh.faces, **options))]
         except tripatch.Refusal as refusal:
             holes = [(options.get("rim"), refusal)]
     refused = [(rim, result) for rim, result in holes if isinstance(result, tripatch.Refusal)]
-    for rim, result in refused[:MOST_TOLD]:
+    for rim, result in refused[:MAX_TOLD]:
         _refused(result, rim if args.all else None)
-    if len(refused) > MOST_TOLD:
-        more = len(refused) - MOST_TOLD
-        _say(f"{more} more {'hole was' if more == 1 else 'holes were'} refused; --report FILE.json names each")
+    if len(refused) > MAX_TOLD:
+        _say(tripatch.Message("more_refused", {"count": len(refused) - MAX_TOLD}))
+    if refused:
+        _explain_numbers(args, [words.refused(result) for _, result in refused])
     note = _unheard if args.quiet else _say
 
     fills: list[tripatch.Fill] = [result for _, result in holes if not isinstance(result, tripatch.Refusal)]
@@ -275,15 +288,17 @@ def _fill(args: argparse.Namespace) -> int:
     if not fills:
         return NOTHING
     if any(len(fill.creases[0]) for fill in fills):
-        note("Exact cages want their rims creased, which no file holds: crease them where the cage is subdivided (see --report)")
+        note(tripatch.Message("creases_not_stored"))
     told = words.gathered([_said(*hole) for hole in holes])
-    for warning in told[:MOST_TOLD]:
+    for warning in told[:MAX_TOLD]:
         note(warning)
-    if len(told) > MOST_TOLD:
-        note(f"{len(told) - MOST_TOLD} more warnings; --report FILE.json has each")
+    if len(told) > MAX_TOLD:
+        note(tripatch.Message("more_warnings", {"count": len(told) - MAX_TOLD}))
+    if told and not refused and not args.quiet:
+        _explain_numbers(args, told)
     unknown = sum(fill.deviation is None for fill in fills) if args.deviation else 0
     if unknown:
-        note(f"How well it is known cannot be told of {unknown} of {len(fills)} fills, the deviation there is -1")
+        note(tripatch.Message("no_error_estimates", {"unknown": unknown, "count": len(fills)}))
     _write(args, out)
     cage_rim = options.get("cage_rim", "smooth") if options.get("output") == "cage" else ""
     limit, faces = options.get("surroundings") == "limit", [face for fill in fills for face in fill.faces]
@@ -300,11 +315,11 @@ def _fill(args: argparse.Namespace) -> int:
             print(_left_open(args, left))
     folded = sum(fill.report.triangles_folded > fill.report.rim_folded for fill in fills)
     if folded:
-        note(f"{folded} of the fills {'folds' if folded == 1 else 'fold'} over {'itself' if folded == 1 else 'themselves'}")
+        note(tripatch.Message("fills_fold", {"count": folded}))
     flawed = any(report.crosses_itself or "none" in report.continuity for report in reports)  # its warning says where
     through = [(min(fill.rim), fill.passes_through) for fill in fills if fill.passes_through]
-    for vertex, where in through[:MOST_TOLD]:
-        note(f"The fill through vertex {vertex} passes through the mesh near {words.place(where)}")
+    for vertex, where in through[:MAX_TOLD]:
+        note(tripatch.Message("fill_passes_through", {"place": words.place(where)}, [vertex]))
     return FILLED if len(fills) == len(holes) and not folded and not flawed and not through else SOME
 
 
@@ -315,7 +330,7 @@ def _smooth(args: argparse.Namespace) -> int:
     smooth = tripatch.smooth_triangles(mesh.vertices, mesh.faces, resolution=args.resolution, curve=args.curve)
     files.write(args.out, smooth)
     if not args.quiet:
-        print(f"Smoothed {len(mesh.faces)} triangles into {len(smooth.faces)}")
+        print(tripatch.Message("faces_smoothed", {"count": len(mesh.faces), "triangles": len(smooth.faces)}))
     return FILLED
 
 
@@ -328,12 +343,12 @@ def _strip(args: argparse.Namespace) -> int:
         else:
             data = mesh.stripped()
     except (files.FileError, OSError, ValueError) as error:
-        _say(f"{args.input} cannot be stripped: {error}")
+        _say(f"{args.input}: {tripatch.Message('not_stripped', {'reason': str(error)})}")
         return NOTHING
     files.write_over(args.out, lambda part: part.write_bytes(data))
     if not args.quiet:
         left = len(mesh.faces) - len(files.read(args.out).faces)
-        print(f"Removed {words.counted(left, 'face')} of fills; {args.out} is as it was before")
+        print(f"{args.out}: {tripatch.Message('fills_removed', {'count': left})}")
     return FILLED
 
 
@@ -376,15 +391,15 @@ def main(argv: list[str] | None = None) -> int:
         _say(str(error))
         return USAGE
     except OSError as error:
-        _say(f"The output cannot be written: {error.strerror or error}")
+        _say(tripatch.Message("output_not_written", {"reason": str(error.strerror or error)}))
         with contextlib.suppress(OSError, ValueError):  # what is left of it shall not fail again at the end
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return USAGE
     except MemoryError:
-        _say("There is not enough memory for this; a smaller --resolution needs less")
+        _say(tripatch.Message("out_of_memory"))
         return USAGE
     except KeyboardInterrupt:
-        _say("Interrupted; nothing is half written")
+        _say(tripatch.Message("interrupted"))
         return INTERRUPTED
 
 

@@ -231,7 +231,7 @@ def barycentric(value: Any) -> Array:
 
 
 #: Sides that a patch has at most.
-MOST_SIDES = 12
+MAX_SIDES = 12
 
 
 def by_side(value: Any, name: str, kind: type) -> tuple[Any, ...]:
@@ -242,8 +242,8 @@ def by_side(value: Any, name: str, kind: type) -> tuple[Any, ...]:
         items = tuple(value)
     except TypeError:
         raise TypeError(f"{name} must be one value or one a side, not {type(value).__name__}") from None
-    if not 1 <= len(items) <= MOST_SIDES:
-        raise ValueError(f"{name} must be one value or one a side, from 2 to {MOST_SIDES}, not {len(items)}")
+    if not 1 <= len(items) <= MAX_SIDES:
+        raise ValueError(f"{name} must be one value or one a side, from 2 to {MAX_SIDES}, not {len(items)}")
     for item in items:
         if not isinstance(item, kind) or isinstance(item, bool):
             raise TypeError(f"{name} cannot hold {item!r}")

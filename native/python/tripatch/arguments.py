@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from ._arrays import MOST_SIDES
+from ._arrays import MAX_SIDES
 from ._native import Option
 from .options import OPTIONS, described, groups, named_value
 from .words import suggested
@@ -40,8 +40,8 @@ def _by_side(kind: Callable[..., Any], word: str) -> Callable[..., Any]:
         except ValueError:
             other = f"neither one value nor one a side, separated by commas{', nor ' * bool(word)}{word}"
             raise argparse.ArgumentTypeError(f"{text!r} is {other}") from None
-        if len(values) > MOST_SIDES:
-            raise argparse.ArgumentTypeError(f"one value or one a side are needed, {MOST_SIDES} at most, not {len(values)}")
+        if len(values) > MAX_SIDES:
+            raise argparse.ArgumentTypeError(f"one value or one a side are needed, {MAX_SIDES} at most, not {len(values)}")
         return values[0] if len(values) == 1 else values
 
     return read

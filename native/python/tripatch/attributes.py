@@ -68,7 +68,7 @@ class CutWeights:
     """What corners and points of smoothed triangles have of the flat ones: how UVs, colors and vertex groups are continued.
 
     Every triangle is cut into r^2, and all is linear over it. Attributes: `edge` (r - 1, 2), what the points that cut an edge
-    have of its ends, in the order of `SmoothMesh.edges`; `inside` (k, 3), what the points inside a triangle have of its corners;
+    have of its ends, in the order of `SmoothMesh.edges`; `inside` (k, 3), what the points inside a triangle have of its corners.
     `corners` (m, 3 r^2, 3), what each corner of the new triangles has of those of the old one; `nearest` (3 m r^2,), which corner
     of the old triangles, 3 a triangle, has most of it.
     """

@@ -244,13 +244,13 @@ class Loop:
         if self.ring:
             self.groups = [[0], [1]]
             return made
-        goes_on = [_goes_on(made[k][0], made[(k + 1) % n][0]) for k in range(n)]  # behind piece k
-        if n == 3 or sum(goes_on) == n - 1:  # no patch is made for a rim of one corner
-            goes_on = [False] * n
-        first = next((k for k in range(n) if not goes_on[k - 1]), 0)
+        continues = [_continues(made[k][0], made[(k + 1) % n][0]) for k in range(n)]  # behind piece k
+        if n == 3 or sum(continues) == n - 1:  # no patch is made for a rim of one corner
+            continues = [False] * n
+        first = next((k for k in range(n) if not continues[k - 1]), 0)
         self.groups = []
         for k in range(first, first + n):
-            if self.groups and goes_on[(k - 1) % n]:
+            if self.groups and continues[(k - 1) % n]:
                 self.groups[-1].append(k % n)
             else:
                 self.groups.append([k % n])
@@ -261,7 +261,7 @@ class Loop:
         return [(side, np.array(t)) for side, t in whole]
 
 
-def _goes_on(side: Side, after: Side) -> bool:
+def _continues(side: Side, after: Side) -> bool:
     """Whether a side continues smoothly in the one after it: tangents and planes."""
     (_, along, _, normal), (_, there, _, theirs) = side.evaluate([1.0]), after.evaluate([0.0])
 

@@ -16,7 +16,7 @@ _STEPS = 12
 #: Up to so many unknowns a dense inverse is faster than conjugate gradients.
 _DENSE = 400
 #: Of the right-hand side: the residual at which the conjugate gradients stop, and the most steps that they take.
-_RESIDUAL, _MOST_STEPS = 1e-6, 500
+_RESIDUAL, _MAX_STEPS = 1e-6, 500
 #: Share of a chart's rim edges in a blended value from which on it stands for the chart.
 _SHARE = 0.05
 #: Of the mean scale: a smaller one is no metric but an error of blending.
@@ -251,7 +251,7 @@ class _Sparse:
         enough = _RESIDUAL**2 * np.maximum((right**2).sum(axis=0), 1e-300)
         direction = z = residual / self._diagonal
         product = (residual * z).sum(axis=0)
-        for _ in range(_MOST_STEPS):
+        for _ in range(_MAX_STEPS):
             if ((residual**2).sum(axis=0) <= enough).all():
                 break
             along = self @ direction

@@ -86,7 +86,7 @@ def patch(
 
     Returns:
         A `Patch`, for `evaluate` and `normal` at barycentric coordinates (k, 3); of four sides or more at places (k, 2) of its
-        `domain`, a polygon with these corners (n, 2); of a round rim in the unit disc; of a ring between the unit circle and a
+        `domain`, a polygon with these corners (n, 2). Of a round rim in the unit disc; of a ring between the unit circle and a
         smaller one about its center, where `on_side` has places. Its `report` holds the numbers that a
         fill's report has of its patch: angles along the seam and round the corners, distance from the sides, folds.
 

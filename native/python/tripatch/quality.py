@@ -235,14 +235,14 @@ class _Around:
 
     def angle(self, vertices: Array, a: int, b: int) -> float:
         """Degrees between the surfaces on both sides of an edge, at its middle; nan where it has not two triangles."""
-        beside = self.of_edge.get(frozenset((a, b)), [])
-        if len(beside) != 2:
+        adjacent = self.of_edge.get(frozenset((a, b)), [])
+        if len(adjacent) != 2:
             return float("nan")
         middle, along = (vertices[a] + vertices[b]) / 2, unit(vertices[b] - vertices[a])
         angles = []  # with what lies past corners of the seam, and without: where it is jagged there is little else
         for past_corners in (True, False):
             sides = []
-            for f in beside:
+            for f in adjacent:
                 near, least = self.side(f, past_corners)
                 sides.append(_normal_at(vertices[near], middle, along, self.normals[f], least))
             angles.append(float(_between(*sides)))
@@ -264,7 +264,7 @@ class _Around:
 
 
 def _normal_at(points: Array, middle: Array, along: Array, normal: Array, least: float = -1.0) -> Array:
-    """The normal at `middle` of the paraboloid over the plane of a triangle that fits points best, the near ones most; its own
+    """The normal at `middle` of the paraboloid over the plane of a triangle that fits points best, the near ones most. Its own
     normal where they are too few, or tell so little, as those of a strip's two edges, that it would turn farther than any two
     triangles there, whose cosine is at least `least`."""
     if len(points) < 6:

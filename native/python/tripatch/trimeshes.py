@@ -118,8 +118,8 @@ class _Filled:
         _, corners, of_face = joined.triangles(points, 3 * np.arange(len(old) + 1), old.reshape(-1))
         split = np.isin(of_face, list({f for f, _ in uv}))
         for f, triangle in zip(of_face[split].tolist(), corners.reshape(-1, 3)[split].tolist(), strict=True):
-            beside = dict(zip(old[f].tolist(), own[self._welded.kept[f]].tolist(), strict=True))
-            new = [beside[v] if v in beside else self._number(-1, v, uv[f, v], [*beside.values()]) for v in triangle]
+            adjacent = dict(zip(old[f].tolist(), own[self._welded.kept[f]].tolist(), strict=True))
+            new = [adjacent[v] if v in adjacent else self._number(-1, v, uv[f, v], [*adjacent.values()]) for v in triangle]
             self.faces.append(new)
             self.models.append(int(self._welded.kept[f]))
 
@@ -144,13 +144,13 @@ class _Filled:
             self.faces.append(corners)
             self.models.append(int(kept[models[f]]))
 
-    def _number(self, k: int, v: int, uv: Array | None, beside: Sequence[int]) -> int:
+    def _number(self, k: int, v: int, uv: Array | None, adjacent: Sequence[int]) -> int:
         """The vertex at a place with these texture coordinates."""
         count = len(self._welded.vertices)
         if v < count:
             copies = self._copies[v]
             if uv is None:
-                return next((c for c in beside if c in copies), copies[0])
+                return next((c for c in adjacent if c in copies), copies[0])
             near = np.abs(self._uv[copies] - uv).max(axis=1)
             if near.min() <= SAME * max(float(np.ptp(self._uv, axis=0).max()), 1e-12):
                 return copies[int(near.argmin())]

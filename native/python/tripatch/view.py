@@ -12,8 +12,10 @@ import numpy as np
 from . import arguments, files, quality
 from ._types import Array, ArrayLike
 from .canvas import Canvas, png
+from .messages import Message
 
 _BACKGROUND = (0.22, 0.22, 0.23)
+_FILL_COLOR = (1.0, 0.72, 0.4)
 _FINER = 2  # pixels a side that are averaged into one
 SIZE, EYE, LINES = (960, 720), (1, -1.4, 0.9), 12
 #: What the picture shows, in the order in which the help says it.
@@ -38,15 +40,19 @@ def _colors(kind: str, vertices: Array, triangles: Array, edges: Array, settings
     if kind == "curvature":
         mean, _ = quality.curvatures(vertices, triangles)
         most = settings.get("most") or quality.usual(mean)
-        return quality.signed_colors(mean, most), f"mean curvature from {-most:.3g} (blue) to {most:.3g} (red)"
+        told = Message("curvature_shown", {"least": f"{-most:.3g}", "most": f"{most:.3g}"})
+        return quality.signed_colors(mean, most), told
     if kind == "deviation":
         values = settings["deviation"]
         known = np.isfinite(values) & (values >= 0)
         largest = float(values[known].max(initial=0.0))
         most = settings.get("most") or largest
         colors = quality.known_colors(np.where(known, values, np.nan), most)
-        told = f"deviation up to {largest:.3g} (red from {most:.3g})" if largest else "no deviation is known of this mesh"
-        return colors, told if known.all() or not largest else f"{told}, unknown at {int((~known).sum())} vertices (grey)"
+        if not largest:
+            return colors, Message("deviation_not_known")
+        said: dict[str, Any] = {"largest": f"{largest:.3g}", "most": f"{most:.3g}"}
+        said |= {} if known.all() else {"unknown": int((~known).sum())}
+        return colors, Message("deviation_shown", said)
     if len(edges):
         found, angles = edges, quality.seam_angles(vertices, triangles, edges)
     else:
@@ -55,7 +61,7 @@ def _colors(kind: str, vertices: Array, triangles: Array, edges: Array, settings
     np.maximum.at(at, found[known].ravel(), np.repeat(angles[known], 2))
     largest = float(angles[known].max(initial=0.0))
     most = settings.get("most") or (1.0 if len(edges) else max(largest, 1e-9))
-    told = f"{'seam' if len(edges) else 'edges'} within {largest:.3g}° (red from {most:.3g}°)"
+    told = Message("seam_shown" if len(edges) else "edges_shown", {"angle": f"{largest:.3g}°", "most": f"{most:.3g}°"})
     colors = quality.scale_colors(at, most)
     if len(edges):
         colors[np.setdiff1d(np.arange(len(vertices)), edges)] = quality.GREY
@@ -74,6 +80,7 @@ def picture(
     lines: float = LINES,
     most: float | None = None,
     deviation: ArrayLike | None = None,
+    fills: int = 0,
 ) -> Any:
     """A picture (h, w, 3) of bytes, and a sentence on what it shows.
 
@@ -85,9 +92,10 @@ def picture(
         direction, lines: of stripes, as `quality.stripes` has them.
         most: where the scale of colors ends; None: 95 of a hundred values are within it (seam: 1 degree, deviation: all).
         deviation: (n,) what that kind shows; below 0 or nan: unknown.
+        fills: so many of the last faces are orange in the kinds that have no colors.
     """
     vertices = np.asarray(vertices, dtype=np.float64)
-    triangles, _ = quality.triangulated(faces, vertices)
+    triangles, of_face = quality.triangulated(faces, vertices)
     if not len(triangles):
         raise ValueError("There is no face to draw")
     edges = np.array([pair for rim in rims for pair in zip(rim, [*rim[1:], rim[0]])], dtype=np.int64).reshape(-1, 2)
@@ -102,14 +110,15 @@ def picture(
     seen = np.flatnonzero(canvas.triangle >= 0)
     of, weights = canvas.triangle[seen], canvas.weights[seen]
     normals = quality.unit((quality.corner_normals(vertices, triangles)[of] * weights[:, :, None]).sum(axis=1))
-    told = KINDS[kind]
     if kind in ("zebra", "highlight"):
+        told = Message("stripes_shown" if kind == "zebra" else "highlight_shown", {"fills": 1} if fills else {})
         normals *= np.where(normals @ canvas.axes[2] < 0, -1, 1)[:, None]  # the side that is seen
         stripe = quality.stripes(normals, direction, lines, canvas.axes[2] if kind == "zebra" else None)
         color = np.repeat((0.06 + 0.88 * np.clip(0.5 + 4 * (stripe - 0.5), 0, 1))[:, None], 3, axis=1)
+        color[of_face[of] >= len(faces) - fills] *= _FILL_COLOR
     elif kind == "folds":
         bad = quality.folded(vertices, triangles)
-        told = f"{int(bad.sum())} folded triangles"
+        told = Message("folds_shown", {"count": int(bad.sum())}) if bad.any() else Message("no_folds_shown")
         color = np.where(bad[of][:, None], quality.FOLD_COLOR, quality.GREY) * _lit(normals, canvas.axes)[:, None]
     else:
         colors, told = _colors(kind, vertices, triangles, edges, {"most": most, "deviation": known})
@@ -158,7 +167,8 @@ def add(commands: Any) -> None:
         "--direction", type=_numbers(3), default=[0, 0, 1], metavar="X,Y,Z", help="direction of the stripes (default: 0,0,1)"
     )
     view.add_argument("--lines", type=float, default=LINES, metavar="N", help="pairs of stripes over half a turn (default: 12)")
-    view.add_argument("--most", type=float, metavar="X", help="value at which the colors end")
+    view.add_argument("--max", type=float, metavar="X", help="value at which the colors end")
+    view.add_argument("--most", dest="max", type=float, help=argparse.SUPPRESS)  # its first name
     view.add_argument(
         "--size", type=_numbers(2, int), default=SIZE, metavar="W,H", help="width and height in pixels (default: 960,720)"
     )
@@ -176,8 +186,8 @@ def run(args: argparse.Namespace) -> int:
         raise ValueError("--size must be positive, --from and --direction must not be zero")
     if not np.isfinite([*args.toward, *args.direction, args.lines]).all():
         raise ValueError("--from, --direction and --lines must be finite")
-    if args.most is not None and not 0 < args.most < np.inf:
-        raise ValueError(f"--most must be greater than 0 and finite, not {args.most:g}")
+    if args.max is not None and not 0 < args.max < np.inf:
+        raise ValueError(f"--max must be greater than 0 and finite, not {args.max:g}")
     deviation = mesh.deviation if args.kind == "deviation" else None
     if args.kind == "deviation" and deviation is None:
         said = "has no error estimates; tripatch fill IN OUT.ply --deviation writes them"
@@ -191,8 +201,9 @@ def run(args: argparse.Namespace) -> int:
         toward=args.toward,
         direction=args.direction,
         lines=args.lines,
-        most=args.most,
+        most=args.max,
         deviation=deviation,
+        fills=mesh.filled_faces,
     )
     try:
         args.out.write_bytes(png(image))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 from ._native import Report
-from .candidates import Candidate
 from .errors import Refusal
 from .messages import Message
 
@@ -33,22 +33,16 @@ def length(value: float) -> str:
     return f"{value:.2g}" if value > 1e-9 else "0"
 
 
-def _candidate(candidate: Candidate) -> str:
-    if candidate.expected_error is None:
-        return candidate.why
-    flaws = [
-        "crosses itself" if candidate.crosses else "",
-        counted(candidate.folds or 0, "fold") if candidate.folds else "",
-        "leaves the hole" if candidate.leaves_hole else "",
-    ]
-    error = f"expected error {length(candidate.expected_error)}"
-    return ", ".join([error, *filter(None, flaws)]) + f" ({candidate.why})"
-
-
 def candidates(report: Report) -> list[str]:
     """A line for each way to fill the hole, the one that is used first: 'used     side_vertex  expected error 0.002 (...)'."""
-    width = max((len(each.method) for each in report.candidates), default=0)
-    return [f"{each.status:8} {each.method:{width}} {_candidate(each)}" for each in report.candidates]
+    width, lines = max((len(each.method) for each in report.candidates), default=0), list[str]()
+    for each in report.candidates:
+        said: dict[str, Any] = {"status": f"{each.status:8}", "method": f"{each.method:{width}}", "reason": each.why}
+        if each.expected_error is not None:
+            flaws = {"crosses": each.crosses, "folds": each.folds, "leaves": each.leaves_hole}
+            said |= {"error": length(each.expected_error)} | {name: int(value) for name, value in flaws.items() if value}
+        lines.append(Message("candidate_skipped" if each.expected_error is None else "candidate_made", said))
+    return lines
 
 
 def _seams(reports: Sequence[Report]) -> tuple[list[float], list[float]]:
@@ -89,60 +83,57 @@ def filled(
         into: names of the objects that the fills became.
         bend: the largest angle, in degrees, between new faces and their neighbors across the rim: no seam bends by more.
     """
-    count = len(reports)
-    if not count:
-        return "No hole filled"
-    holes = "Filled 1 hole" if count == 1 else f"Filled {count} holes"
-    kept, others = _seams(reports)
+    if not reports:
+        return Message("none_filled")
+    said: dict[str, Any] = {"count": len(reports)}
     if cage_rim:
-        seam = seam_angle(reports)
-        within = max(report.cage_deviation_max for report in reports)
-        moved = max(report.surroundings_moved_max for report in reports)
-        seam_said = f", seam within {degrees(seam)}" if cage_rim == "exact" else ""
-        return (
-            f"{holes} with a cage of {counted(quads, 'quad')}{seam_said}; within {length(within)} of the patch, "
-            f"surroundings moved {length(moved)} (scene units)"
-        )
-    said = [f"{holes}{' in ' * bool(into)}{', '.join(into)}"]
-    if kept and limit:
-        said.append(f"seam with the limit surface within {degrees(max(kept))}")
-    elif kept:
+        said["quads"] = quads
+        said["distance"] = length(max(report.cage_deviation_max for report in reports))
+        said["moved"] = length(max(report.surroundings_moved_max for report in reports))
+        if cage_rim == "exact":
+            said["seam"] = degrees(seam_angle(reports))
+        return Message("cages_filled", said)
+    kept, others = _seams(reports)
+    if into:
+        said["into"] = list(into)
+    if kept:
+        said["limit" if limit else "seam"] = degrees(max(kept))
         known = min(max(report.surroundings_error for report in reports), bend)
-        coarse = known > max(kept) and degrees(known) != degrees(max(kept))
-        said.append(f"seam within {degrees(max(kept))}" + coarse * f" (accuracy of the mesh: {degrees(known)})")
+        if not limit and known > max(kept) and degrees(known) != degrees(max(kept)):
+            said["accuracy"] = degrees(known)
     if others:
-        said.append(f"bends by up to {degrees(max(others))} at sides met in position only")
+        said["bend"] = degrees(max(others))
     if triangles:
-        said.append(f"{triangles} of {counted(quads, 'new face')} {'is a triangle' if triangles == 1 else 'are triangles'}")
-    return "; ".join(said)
+        said |= {"triangles": triangles, "faces": quads}
+    return Message("holes_filled", said)
 
 
-def left_open(edges: Sequence[int], advice: str = "") -> str:
+def left_open(edges: Sequence[int], option: str = "") -> str:
     """'2 outer borders left open (200 and 310 edges); use --outer to fill them'; of none nothing.
 
     Args:
         edges: how many each of them has.
-        advice: what fills them, in the words of an interface.
+        option: the option of an interface that fills them.
     """
     if not edges:
         return ""
-    *others, last = map(str, sorted(edges))
-    sizes = f"{', '.join(others)} and {last}" if others else last
-    if len(edges) > 4:
-        sizes = f"{min(edges)} to {max(edges)}"
-    sizes += " edges"
+    said: dict[str, Any] = {"count": len(edges)} | ({"option": option} if option else {})
     if len(edges) > 1 and min(edges) == max(edges):
-        sizes = f"{last} edges each"
-    said = f"{counted(len(edges), 'outer border')} left open ({sizes})"
-    return f"{said}; {advice} to fill {'it' if len(edges) == 1 else 'them'}" if advice else said
+        return Message("borders_open_alike", said | {"edges": edges[0]})
+    if len(edges) > 4:
+        return Message("borders_open_many", said | {"fewest": min(edges), "most": max(edges)})
+    return Message("borders_open", said | {"edges": sorted(edges)})
+
+
+def nothing_to_fill(edges: Sequence[int], option: str = "") -> Message:
+    """Why nothing is filled: the mesh has outer borders at most. Arguments as of `left_open`."""
+    return Message("only_open_borders", {"reason": left_open(edges, option)}) if edges else Message("closed_mesh")
 
 
 def joined(moved: int, splits: int) -> str:
     """'Joined borders: 12 vertices moved, 1 vertex put into an edge'."""
-    said = [f"{counted(moved, 'vertex')} moved"] * (moved > 0)
-    if splits:
-        said.append(f"{counted(splits, 'vertex')} put into {'an edge' if splits == 1 else 'edges'}")
-    return f"Joined borders: {', '.join(said)}"
+    counts = {name: count for name, count in (("moved", moved), ("splits", splits)) if count}
+    return Message("borders_joined", counts | ({"both": 1} if len(counts) > 1 else {}))
 
 
 def place(where: Sequence[float]) -> str:

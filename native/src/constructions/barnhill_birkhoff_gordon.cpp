@@ -24,7 +24,7 @@ PiecewisePolynomial cubic(const Vec3& a, const Vec3& da, const Vec3& b, const Ve
 }
 
 // Side i = a, its loft P_i: the line b_i = tau runs from side k (at t = 1 - tau, b_k = 0) to side j (at t = tau, b_j = 0), with the
-// fraction sigma = b_k / (b_j + b_k). P_i meets sides j and k; what it misses on side i, the residual, is lofted along the lines
+// fraction sigma = b_k / (b_j + b_k). P_i meets sides j and k. What it misses on side i, the residual, is lofted along the lines
 // parallel to side j (b_j = const) or to side k: P_j + P_i - P_j P_i = P_i + (P_j of the residual, which lives on side i alone).
 class BarnhillBirkhoffGordon final : public JetSurface<BarnhillBirkhoffGordon> {
 public:

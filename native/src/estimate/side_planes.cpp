@@ -34,7 +34,7 @@ constexpr double known_by_ring = 10;
 constexpr double known_by_lean = 0.25;
 constexpr double agrees = 5;  ///< standard deviations from a plane to facets that have nothing against them; 0%, 0%
 /// By how much a plane is off along the rim where a side turns by x radians an edge: this times x^3, as the ends of a spline through an
-/// arc are; 2.7 to 3.2 degrees on arcs of 70 to 120 degrees in two edges.
+/// arc are. 2.7 to 3.2 degrees on arcs of 70 to 120 degrees in two edges.
 constexpr double off_by_turn = 7.5 * std::numbers::pi / 180;
 constexpr int few_edges = 4;  ///< of a side; of more, fits see the turn themselves: less by the square of their number
 constexpr double bent = 5;    ///< degrees that a side turns by at least, for its faces to tell their plane; 0%, 0%

@@ -36,7 +36,7 @@ constexpr double strip = 4;
 
 /// Of the hole's diameter: a fair cage that is farther off from where the mesh around would continue has run off, as between strips of bevels
 /// or on a wave, and so much farther wherever it is. Of 566 holes in Blender's primitives, remeshes and bevels 28 are placed for it that are not
-/// at 0.13, and 21 of their limit surfaces are nearer to the one that was there, by a factor of three in the mean; of coarse balls, eggs
+/// at 0.13, and 21 of their limit surfaces are nearer to the one that was there, by a factor of three in the mean. Of coarse balls, eggs
 /// and tori six of 116, all nearer. Of 639 cages in boxes, prisms and cylinders bevelled by Blender it was 68 at 0.13.
 constexpr double run_off = 0.04;
 /// The same between four guessed corners: quads there are as large as four corners make them, and one of them that is larger than those around has
@@ -403,7 +403,7 @@ constexpr double as_much_turn = 1e-6;
 constexpr double no_turn = -4 * std::numbers::pi;
 
 /// Four vertices of a rim that shows no corners, as Grid Fill takes them: as many edges between opposite ones, or one more, where the rim
-/// turns most at them; as few as possible have one face only, about which the limit of the open cage has no tangent plane. None of fewer than
+/// turns most at them. As few as possible have one face only, about which the limit of the open cage has no tangent plane. None of fewer than
 /// four edges.
 std::vector<Index> four_of(const Ground& ground, std::vector<Index> loop) {
   const std::size_t n = loop.size();

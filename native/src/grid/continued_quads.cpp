@@ -24,7 +24,7 @@ using Solver = Eigen::SparseQR<Sparse, Eigen::NaturalOrdering<int>>;
 
 /// Of the root mean square column, the pivot of what is not determined. Differences are of whole numbers, so that pivots are rounding or far
 /// from it: of holes like an L, a T, a cross, a triangle in grids and at the corner of a box, with 20 to 1,200 vertices inside, the least is
-/// 4e-5; of those that a single row of quads around the corner of a box does not determine, 1e-14 at most.
+/// 4e-5. Of those that a single row of quads around the corner of a box does not determine, 1e-14 at most.
 constexpr double undetermined = 1e-9;
 
 /// The quads and as many rings of faces around them as differences reach, with numbers of their own: the rim, inside, around.

@@ -80,7 +80,7 @@ constexpr double more_area = 1.4, more_triangles = 2;
 /// Vertices of a fill times those of its rim: where there are more, fewer triangles are bent by themselves, of which each try takes 0.2 s there.
 constexpr Index most_bent = 1'000'000;
 /// Degrees of the reference. Of known surfaces with no noise, holes to half a ball: with degree 4 foot points are smooth enough that
-/// the field's distance from the truth falls to a hundredth of that over the layout; higher degrees follow the layout's noise, and
+/// the field's distance from the truth falls to a hundredth of that over the layout. Higher degrees follow the layout's noise, and
 /// noise of 2% of an edge. Scanned and modelled meshes have details: around 250 holes of them degree 6 is 5% nearer, 7 no more.
 constexpr int stiff_degree = 4;
 constexpr int free_degree = 6;

@@ -52,7 +52,7 @@ Foot foot_at(const Surface& surface, const Vec2& place, const Vec3& point);
 SurfacePtr sum(SurfacePtr a, SurfacePtr b);
 
 /// A surface whose formula is 0/0 at the three vertices and, where the data disagree, a cone next to them, so that derivatives of
-/// order m lose digits like 1 / rho^m at the distance rho. Position is the formula's own (at a vertex the corner); derivatives of
+/// order m lose digits like 1 / rho^m at the distance rho. Position is the formula's own (at a vertex the corner). Derivatives of
 /// order m within vertex_radius[m] of a vertex are those at that distance on the same ray (at the vertex: the mean of the two sides'): all
 /// are finite, and the tangent plane is the cone's.
 class VertexSafeSurface : public Surface {

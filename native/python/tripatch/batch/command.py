@@ -18,6 +18,7 @@ import numpy as np
 from .. import __version__, arguments, words
 from ..filling import fill_all
 from ..holes import choose_holes
+from ..messages import Message
 from ..words import counted
 from . import emit, inputs, journal, local, memory, pictures, record, scheduling
 from .in_words import given
@@ -198,14 +199,10 @@ def _run(args: argparse.Namespace, found: Sequence[Path], settings: Settings) ->
     return entries, stopped
 
 
-def _of_unjoined(heads: Sequence[dict[str, Any]]) -> list[str]:
-    """Nothing, or a part of a sentence."""
+def _of_unjoined(heads: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """A parameter of a message, or none."""
     rims = [head["unjoined"] for head in heads if head["unjoined"]]
-    if not rims:
-        return []
-    lie = "lies" if sum(rims) == 1 else "lie"
-    where = f"{counted(sum(rims), 'rim')} in {counted(len(rims), 'file')}"
-    return [f"{where} {lie} upon other borders (faces meet there without being joined; Merge by Distance joins them)"]
+    return {"reason": Message("rims_on_borders", {"count": sum(rims), "files": len(rims)})} if rims else {}
 
 
 def _listing(entries: Sequence[dict[str, Any]]) -> int:
@@ -222,8 +219,8 @@ def _listing(entries: Sequence[dict[str, Any]]) -> int:
             filled = ["would be filled"] if hole["status"] == record.LISTED else []
             what = ". ".join(filter(None, [*filled, hole["reason"]]))
             print(f"{head['input']}: {ob}{place if hole['vertex'] is not None else ''}: {what}")
-    said = [f"{counted(meant, 'hole')} in {counted(len(entries), 'file')} would be filled"]
-    print("; ".join(said + _of_unjoined([entry["lines"][0] for entry in entries])))
+    unjoined = _of_unjoined([entry["lines"][0] for entry in entries])
+    print(Message("batch_planned", {"holes": meant, "files": len(entries)} | unjoined))
     _tell_left_open(entries)
     return NOTHING if _filters_leave_all(entries) else DONE
 
@@ -235,7 +232,7 @@ def _lines_of_holes(entries: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
 def _tell_left_open(entries: Sequence[dict[str, Any]]) -> None:
     edges = [line["edges"] for line in _lines_of_holes(entries) if line["outer"]]
     if edges:
-        print(words.left_open(edges, "use --outer"))
+        print(words.left_open(edges, "--outer"))
 
 
 def _filters_leave_all(entries: Sequence[dict[str, Any]]) -> bool:
@@ -248,18 +245,13 @@ def _summary(entries: Sequence[dict[str, Any]]) -> str:
     """'Filled 950 holes in 900 of 1000 files; 50 holes refused; 2 files failed: 1 unreadable, 1 crashed'"""
     heads = [entry["lines"][0] for entry in entries]
     holes = sum(head["filled"] for head in heads)
-    said = [f"Filled {counted(holes, 'hole')} in {sum(h['output'] is not None for h in heads)} of {counted(len(heads), 'file')}"]
-    refused, folded = sum(head["refused"] for head in heads), sum(head["folded"] for head in heads)
-    if refused:
-        said.append(f"{counted(refused, 'hole')} refused")
-    if folded:
-        said.append(f"{counted(folded, 'fill')} folded")
-    said += _of_unjoined(heads)
+    said: dict[str, Any] = {"holes": holes, "changed": sum(head["output"] is not None for head in heads), "files": len(heads)}
+    counts = {name: sum(head[name] for head in heads) for name in ("refused", "folded")}
+    said |= {name: count for name, count in counts.items() if count} | _of_unjoined(heads)
     bad = [head["status"] for head in heads if head["status"] in (record.UNREADABLE, *record.PASSING)]
     if bad:
-        kinds = ", ".join(f"{bad.count(kind)} {kind}" for kind in dict.fromkeys(sorted(bad)))
-        said.append(f"{counted(len(bad), 'file')} failed ({kinds})")
-    return "; ".join(said)
+        said |= {"failed": len(bad), "kinds": [f"{bad.count(kind)} {kind}" for kind in dict.fromkeys(sorted(bad))]}
+    return Message("batch_done", said)
 
 
 def _end(args: argparse.Namespace, entries: Sequence[dict[str, Any]], settings: Settings) -> int:
@@ -305,7 +297,7 @@ def run(args: argparse.Namespace) -> int:
         _say(told)
         return DONE
     if args.memory_limit and not memory.LIMITS:
-        _say("--memory-limit has no effect on this system")
+        _say(Message("no_memory_limit"))
     _stops()
     try:
         entries, stopped = _run(args, found, settings)
@@ -316,7 +308,7 @@ def run(args: argparse.Namespace) -> int:
     if settings.mode == LIST:
         return STOPPED if stopped else _listing(done)
     if stopped:
-        _say(f"Stopped with {len(done)} of {len(entries)} files done; the same command goes on from there")
+        _say(Message("batch_stopped", {"done": len(done), "files": len(entries)}))
         return STOPPED
     with contextlib.redirect_stdout(io.StringIO() if args.quiet else sys.stdout):
         if args.range:  # others are at work: who calls without a range gathers

@@ -19,7 +19,7 @@ NOT_TRIED = "It has not run under a manager yet"
 KINDS = ("commands", "slurm", "openjd", "flamenco")
 
 #: OpenJD allows 1024 values of a task parameter, SLURM 1001 tasks of an array unless configured otherwise.
-_MOST_TASKS = 1000
+_MAX_TASKS = 1000
 
 
 def written_list(files: Sequence[Path], out: Path) -> Path:
@@ -101,7 +101,7 @@ def _flamenco(count: int, chunk: int, words: list[str], listed: Path, out: Path)
 def emitted(kind: str, files: Sequence[Path], out: Path, words: list[str], chunk: int, memory: int | None) -> tuple[str, str]:
     """The text for the farm, and what a person has to know of it."""
     listed, count = written_list(files, out), len(files)
-    chunk = max(chunk, -(-count // _MOST_TASKS))
+    chunk = max(chunk, -(-count // _MAX_TASKS))
     if kind == "commands":
         text = "".join(_line(_command(listed, out, words, range_)) + "\n" for range_ in _ranges(count, chunk))
         return text, f"When all are done, this gathers their lines: {_line(_command(listed, out, words, None))}"

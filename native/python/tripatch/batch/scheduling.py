@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
+from ..messages import Message
 from . import inputs, job, record
 from .keeper import Keeper
 from .settings import Settings
@@ -110,7 +111,8 @@ def run(
     try:
         number = len(client.scheduler_info(n_workers=-1)["workers"])
         if not number:
-            print(f"tripatch: The scheduler at {address} has no worker yet; the files wait for one", file=sys.stderr, flush=True)
+            said = Message("scheduler_without_workers", {"address": address})
+            print(f"tripatch: {said}", file=sys.stderr, flush=True)
             number = 1
         parts = inputs.portions(files, number)
         parts.sort(key=lambda part: -sum(inputs.size(files[k]) for k in part))  # the longest first: no worker is last alone
@@ -128,7 +130,7 @@ def run(
             if future.status == "finished":
                 take(future.result())
             elif future.status != "error":
-                raise SchedulerError(f"The scheduler at {address} is gone; the same command goes on with what is left")
+                raise SchedulerError(Message("scheduler_gone", {"address": address}))
             elif isinstance(error := future.exception(), KilledWorker):
                 if len(places) == 1:
                     take([_given_up(places[0], files[places[0]], settings)])

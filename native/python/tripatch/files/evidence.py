@@ -45,6 +45,14 @@ def line(value: Any) -> bytes:
     return json.dumps(value, separators=(",", ":")).encode("ascii")
 
 
+def faces_of(lines: Iterable[bytes]) -> int:
+    """How many faces the fills have of which these lines speak; 0 if one is not as `line` writes it."""
+    try:
+        return sum(max(int(json.loads(each)["faces"]), 0) for each in lines)
+    except (KeyError, TypeError, ValueError, RecursionError):
+        return 0
+
+
 def sha256(data: bytes) -> str:
     """Of a file's content."""
     return hashlib.sha256(data).hexdigest()

@@ -34,13 +34,13 @@ class Lines:
             half = (self._bytes[ends] == 13) & (self._bytes[np.minimum(ends + 1, len(data) - 1)] == 10) & (ends + 1 < len(data))
             ends = ends[~half]
         if continued and b"\\" in data:
-            ends = ends[~self._goes_on(ends)]
+            ends = ends[~self._continues(ends)]
         starts = np.concatenate([[0], ends + 1])
         if starts[-1] < len(data):
             starts = np.append(starts, len(data))
         self.starts: Array = starts.astype(np.int32 if len(data) < 2**30 else np.int64)
 
-    def _goes_on(self, ends: Array) -> Array:
+    def _continues(self, ends: Array) -> Array:
         """Of ends of lines: whether a backslash stands before."""
         before = self._bytes[np.maximum(ends - 1, 0)]
         two = self._bytes[np.maximum(ends - 2, 0)]

@@ -65,6 +65,11 @@ class MeshFile:
         """(n,) standard deviation of the vertices, below 0 where it is not known; None: the file does not say."""
         return None
 
+    @property
+    def filled_faces(self) -> int:
+        """How many of the last faces are fills by TriPatch, as far as files of this format say so."""
+        return 0
+
     def join(self, joined: Any) -> None:
         """Changes what `join` of `fill_all` changes in the mesh (`Fills.joined`), before fills are added."""
         self.vertices = self.vertices.copy()

@@ -285,6 +285,11 @@ class ObjFile(MeshFile):
         self._number = len(re.findall(rb"^" + _FILL, self._data, re.MULTILINE))
         return self
 
+    @property
+    def filled_faces(self) -> int:
+        """How many of the last faces are fills by TriPatch."""
+        return evidence.faces_of(re.findall(rb"^" + _FILL + rb"(.*)$", self._data, re.MULTILINE))
+
     def stripped(self) -> bytes:
         """The file as it was before its fills."""
         found = re.search(rb"^" + _ORIGINAL + rb"(.*)$", self._data, re.MULTILINE)

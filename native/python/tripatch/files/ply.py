@@ -226,6 +226,11 @@ class PlyFile(MeshFile):
         assert at is not None
         return data[: at.start()] + comment + self._eol + data[at.start() :]
 
+    @property
+    def filled_faces(self) -> int:
+        """How many of the last faces are fills by TriPatch."""
+        return evidence.faces_of(re.findall(rb"(?<=[\r\n])" + _FILL + rb"([^\r\n]*)", bytes(self._data[: self._body])))
+
     def stripped(self) -> bytes:
         """The file as it was before its fills."""
         head = bytes(self._data[: self._body])

@@ -227,8 +227,8 @@ class SceneFile(MeshFile):
         """For each new face the old one next to which it lies."""
         if continued.model:
             return continued.model
-        beside = next((f for v in fill.rim for f in self._faces_at(int(v))), 0)
-        return [beside] * len(fill.faces)
+        adjacent = next((f for v in fill.rim for f in self._faces_at(int(v))), 0)
+        return [adjacent] * len(fill.faces)
 
     def _append(self, fill: Any, faces: list[list[int]], continued: Continued) -> None:
         groups: dict[Hashable, list[int]] = {}

@@ -43,7 +43,7 @@ struct FairCageOptions {
 /// Positions of the free vertices that make
 ///   sum over holes of log(energy) + parameters * log(third derivatives) + held
 /// least, energy = size^2 integral |grad h|^2 dA inside, h the second fundamental form (no units; zero on planes, spheres and
-/// cylinders); held: any sum of squares, in the movement from `start`; slots
+/// cylinders). held: any sum of squares, in the movement from `start`; slots
 /// in `fixed` do not move. Gauss-Newton from the least third derivatives, which are
 /// linear. A cage with degenerate faces stays at those.
 Points fair_cage(CageSystem& system, const Points& start, std::vector<FairHole>& holes, const CageSystem::Term& held,

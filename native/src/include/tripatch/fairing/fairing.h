@@ -2,8 +2,8 @@
 //   - the interior term (27 b0 b1 b2)^2 sum_K a_K B_K(b) added,
 //   - the second derivative across each side changed, by 1/2 b_i^2 (cubic side weight) times a polynomial of t, and
 //   - the slopes alpha(t), beta(t) of each side changed between the corners (on a side that is met in position only: all of the
-//     derivative across it);
-// all are linear. The coefficients minimize a fairness energy, with the center held where that is asked.
+//     derivative across it).
+// All are linear. The coefficients minimize a fairness energy, with the center held where that is asked.
 #pragma once
 
 #include <array>

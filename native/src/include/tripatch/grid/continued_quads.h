@@ -26,7 +26,7 @@ inline constexpr Index most_poles = 1;
 bool go_on(const Connectivity& around, const QuadsInside& quads);
 
 /// The vertices inside with the least sum of squares of mixed differences, as continued_rows has them in blocks, over all quads that are
-/// side by side in four and in nine around them; the order likewise, by the sides of the rim, which continue between its corners. That
+/// side by side in four and in nine around them. The order likewise, by the sides of the rim, which continue between its corners. That
 /// tells little of the middle of many rows, and nothing of a pole: `missed` is what another order puts the vertices apart by, where that
 /// is more. Order 0 where fewer than two orders determine them, or nothing tells how well.
 ContinuedRows continued_quads(const PointsRef& vertices, const Connectivity& around, const QuadsInside& quads);

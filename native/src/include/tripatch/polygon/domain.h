@@ -3,7 +3,7 @@
 //
 // Corners are 0 .. n - 1, counterclockwise; side i runs from corner i to corner i + 1, t from 0 to 1. phi_i is the distance from the
 // line of side i. With Wachspress's coordinates lambda the parameter t_i = lambda_{i+1} / (lambda_i + lambda_{i+1}) is linear on side i, 0
-// on side i - 1 and 1 on side i + 1; its level lines are those through the point where these two meet (Charrot and Gregory 1984; for a
+// on side i - 1 and 1 on side i + 1. Its level lines are those through the point where these two meet (Charrot and Gregory 1984; for a
 // triangle the rays from the opposite corner).
 //
 // The lens lies between two parabolas over the line from corner 0 to corner 1: with s from 0 to 1 along that line

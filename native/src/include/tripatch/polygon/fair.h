@@ -1,4 +1,4 @@
-// The fairest patch over a polygon among those that meet the surroundings just as well; what fairing/fairing.h says of the triangle holds
+// The fairest patch over a polygon among those that meet the surroundings just as well. What fairing/fairing.h says of the triangle holds
 // here with the polygon's own functions:
 //   - the interior term bubble^2 times polynomials of (u, v),
 //   - the second derivative across each side, 1/2 phi_i^2 (cubic side weight) times a polynomial of t_i,

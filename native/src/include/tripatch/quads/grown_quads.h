@@ -20,7 +20,7 @@ std::vector<int> wanted_quads(const Points& vertices, const Connectivity& around
                               WantedQuads which = WantedQuads::by_number);
 
 /// The quads that a grid would have that begins at the rim. The rim is unrolled on the lattice of a grid: round a hole in one it closes, and what
-/// was there comes back; round a pole of 3 or 5 it closes but for a right angle, turned about a point of the lattice, which is where the
+/// was there comes back. Round a pole of 3 or 5 it closes but for a right angle, turned about a point of the lattice, which is where the
 /// pole is. Else poles are planned, on the rim or inside, until it closes. rim: places in a plane; of layouts with as many poles the one
 /// whose quads are the best there is taken. An odd rim gets one triangle. None where a few poles do not do.
 std::optional<PlaneLayout> grown_quads(const PlanePoints& rim, const std::vector<int>& wanted);

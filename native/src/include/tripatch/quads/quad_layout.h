@@ -1,6 +1,6 @@
 // All-quad layouts of a three-sided region with any edge counts on its sides. One pole of valence 3 where each count is less than
 // the sum of the others (Takayama, Panozzo and Sorkine-Hornung 2014, the first triangular pattern; the spoke lengths are Tarini's
-// 2022 closed form); the other cases by strips round the corner opposite the long side, which take two edges off it each.
+// 2022 closed form). The other cases by strips round the corner opposite the long side, which take two edges off it each.
 #pragma once
 
 #include <array>

@@ -18,7 +18,7 @@ struct EdgeUse {
 };
 
 /// Edges by their higher vertex, what comes along one in its order: each vertex of the fill's own has a place, those of the mesh, whose
-/// numbers say nothing of how many there are, share the last; but where they are no more than the corners of the faces they have places,
+/// numbers say nothing of how many there are, share the last. But where they are no more than the corners of the faces they have places,
 /// too. First every edge is counted, then every one is added.
 class EdgesByVertex {
 public:

@@ -1,7 +1,7 @@
 // The surface of a hole's surroundings as a Gaussian field over a plane: a polyharmonic spline through samples, or near them where
 // they are noisy, with a standard deviation at every point.
 //   - intrinsic: polynomials of a degree below the order m are free, the rest has the generalised covariance (-1)^m r^(2m-2) log r
-//     (Duchon 1977; Matheron 1973; Wahba 1990, "Spline models for observational data");
+//     (Duchon 1977; Matheron 1973; Wahba 1990, "Spline models for observational data").
 //   - order and nugget (the variance of the samples' noise) by restricted likelihood (Patterson and Thompson 1971); orders that are
 //     nearly as likely are averaged.
 #pragma once

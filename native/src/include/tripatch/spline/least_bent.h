@@ -38,7 +38,7 @@ struct FieldFindings {
 constexpr double most_of_second = 0.8;
 /// How much of a fill is the second model. Rough surroundings lie off any layout by what their details stretch; this one bends the
 /// triangles themselves least, or varies their bending least, and knows of no plane: the most where what reads as noise is a seventh of
-/// an edge and more; half where the noise decides the order altogether and details are much more than noise; some where there is little
+/// an edge and more. Half where the noise decides the order altogether and details are much more than noise; some where there is little
 /// noise, but the likeliest order is low, or details are faint.
 double share_of_second(const FieldFindings& findings);
 

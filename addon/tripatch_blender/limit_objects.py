@@ -84,9 +84,6 @@ def _new_object(ob, vertices, faces, materials, smooth):
     return new
 
 
-STAY = "The selected faces stay: without them the modifier would draw the surface around otherwise"
-
-
 def fill_rims(ob, bm, matrix, rims, options):
     """Fills rims of an object's BMesh by one new object. Returns (Outcome, the object or None)."""
     modifier = subdivision.usable(ob, limit=True)
@@ -137,14 +134,16 @@ def _fill_rims(ob, bm, modifier, matrix, rims, named, options):
         outcome.rim_edges.append(len(fill.border))
         if options.arguments.get("output", "triangles") != "triangles":
             outcome.diameters.append(filling.diameter(own.loop, matrix))
-        said.append((min(v.index for v in own.loop), [*fill.report.warnings, *[STAY] * bool(rim.replaced)]))
+        said.append(
+            (min(v.index for v in own.loop), [*fill.report.warnings, *[tripatch.Message("faces_stay")] * bool(rim.replaced)])
+        )
     if not vertices:
         return outcome, None
     outcome.notes += words.gathered(said)
     if missing:
         outcome.notes.append(tripatch.Message("points_off_surface", {"count": int(missing)}))
-    waiting.goes_on()
+    waiting.must_finish()
     new = _new_object(ob, np.vstack(vertices), faces, materials, smooth)
     outcome.count(faces, options.arguments.get("output"))
-    outcome.beside.append(new.name)
+    outcome.objects.append(new.name)
     return outcome, new

@@ -17,9 +17,9 @@ def two_holes():
     vertices, faces, rim, corners = jagged(8, 0.6)
     other, _, smooth, smooth_corners = jagged(8, 0.0)
     n = len(vertices)
-    beside = [[n + v for v in face] for face in faces]
+    adjacent = [[n + v for v in face] for face in faces]
     rims = [list(rim), [n + v for v in smooth]]
-    return np.concatenate([vertices, other + 5]), [*map(list, faces), *beside], rims, [corners, [n + v for v in smooth_corners]]
+    return np.concatenate([vertices, other + 5]), [*map(list, faces), *adjacent], rims, [corners, [n + v for v in smooth_corners]]
 
 
 @pytest.mark.parametrize("output", ["triangles", "quads"])
