@@ -71,7 +71,9 @@ def run(settings: argparse.Namespace, others: dict, results: dict) -> None:
                 from . import pictures
 
                 pictures.draw(settings.pictures / f"{hole.name}.png", hole, made, row["fillers"])
-            settings.json.write_text(json.dumps(results, indent=0, default=float) + "\n")
+            part = settings.json.with_suffix(".part")
+            part.write_text(json.dumps(results, indent=0, default=float) + "\n")
+            part.replace(settings.json)
         print(f"{group}: {count} holes, {time.perf_counter() - start:.0f} s", flush=True)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import platform
 import subprocess
+import textwrap
 from collections import defaultdict
 from pathlib import Path
 
@@ -249,7 +250,12 @@ def page(results: dict) -> str:
     for name, caption in PICTURED.items():
         if not any(hole.endswith(f": {name}") for hole in named):
             continue
-        lines += [f"![{name}: the truth, the two nearest others and TriPatch](images/holebench/{name}.png)", "", caption, ""]
+        lines += [
+            f"![{name}: the truth, the two nearest others and TriPatch](images/holebench/{name}.png)",
+            "",
+            textwrap.fill(caption, 130),
+            "",
+        ]
     lines += ["## CPU time by boundary length", "", "Over CGAL, continuity 1: median / 90th percentile.", "", *times(rows)]
     lines += [
         "## Error estimates",

@@ -53,6 +53,9 @@ for name, make in kinds.items():
     bm.verts.index_update()
     np.savez(f"{out}/{name}.npz", vertices=[v.co for v in bm.verts], faces=[[v.index for v in f.verts] for f in bm.faces])
 """
+#: Of primitives whose vertices are on a smooth surface: the distance to that.
+ROUND = dict.fromkeys(("UV sphere", "icosphere"), lambda p: np.abs(np.linalg.norm(p, axis=1) - 1))
+ROUND["torus"] = lambda p: np.abs(np.hypot(np.hypot(p[:, 0], p[:, 1]) - 1, p[:, 2]) - 0.25)
 
 
 def formulas(**_) -> Iterator[Hole]:
@@ -101,7 +104,10 @@ def primitives(blender: str, cache: Path) -> Iterator[Hole]:
     for k, name in enumerate(("cube", "UV sphere", "icosphere", "torus", "cylinder", "cone", "Suzanne")):
         read = np.load(cache / f"{name}.npz")
         vertices, faces = read["vertices"].astype(float), read["faces"].astype(int)
-        yield from cuts(f"Blender's {name}", vertices, faces, np.random.default_rng([SEED, k]), sharp=True)
+        for hole in cuts(f"Blender's {name}", vertices, faces, np.random.default_rng([SEED, k]), sharp=True):
+            if name in ROUND:
+                hole.nearest, hole.facets, hole.distance = None, None, ROUND[name]
+            yield hole
 
 
 #: Name -> (settings) -> its holes
