@@ -124,7 +124,8 @@ def summary(rows: list[dict]) -> list[str]:
         for key in ("normals", "seam"):
             values = figures(filled, name, key)
             line.append(short(np.median(values)) if values else "-")
-        line += [str(sum(value > 0 for value in figures(tried, name, key))) for key in ("folds", "crossings")]
+        counted = [figures(tried, name, key) for key in ("folds", "crossings")]
+        line += [f"{sum(value > 0 for value in values)} of {len(values)}" for values in counted]
         out.append([*line, spread_of(relative_times(tried, name)) if name != TRUTH else ""])
     return table(out)
 
@@ -216,8 +217,9 @@ MeshLib to the longest, as it would split that otherwise.
   ([known_holes.py](../scripts/known_holes.py)).
 - **CAD bodies**: at edges and on faces of extruded and turned bodies ([cuts.py](../scripts/comparison/cuts.py)).
 - **primitives**: in Blender's primitives, at sharp edges and elsewhere ([sets.py](../scripts/comparison/sets.py)).
-- Others come from files of `--data`: **semigcn** from [SeMIGCN](https://github.com/astaka-pe/SeMIGCN) (MIT), **meshes** and
-  **with_holes** from [CGAL](https://github.com/CGAL/cgal/tree/main/Data/data/meshes) (CC0). `sources.json` has their checksums.
+- Others, such as real holes without a truth, come from files of `--data`: **semigcn** from
+  [SeMIGCN](https://github.com/astaka-pe/SeMIGCN) (MIT), **meshes** and **with_holes** from
+  [CGAL](https://github.com/CGAL/cgal/tree/main/Data/data/meshes) (CC0). `sources.json` has their checksums.
 
 ## Run it
 
