@@ -343,7 +343,7 @@ def test_as_a_program(one, tmp_path):
     done = subprocess.run(
         [sys.executable, "-m", "tripatch", "fill", str(one), str(tmp_path / "out.obj")],
         capture_output=True,
-        text=True,
+        encoding="utf-8",
         check=False,
     )
     assert done.returncode == 0, done.stderr
