@@ -7,7 +7,7 @@ import types
 import numpy as np
 import pytest
 import tripatch
-from shapes import cube_sphere
+from shapes import cube, cube_sphere
 from test_cli import run, write_obj
 from test_outer_borders import sheet, together
 from tripatch import words
@@ -322,6 +322,15 @@ def test_a_flat_hole_of_four_corners_gets_two_triangles(method):
     vertices, faces = sheet(3, 1.0, [4])
     fill = tripatch.fill(vertices, faces, method=method)
     assert len(fill.faces) == 2 and len(fill.vertices) == 0
+
+
+@pytest.mark.parametrize("cut", [False, True])
+def test_the_lid_of_a_box_is_two_triangles(cut):
+    vertices, quads = cube(1)
+    faces = [t for a, b, c, d in quads[1:] for t in ([a, b, c], [a, c, d])] if cut else quads[1:]
+    fill = tripatch.fill(vertices, faces)
+    assert fill.faces.shape == (2, 3) and len(fill.vertices) == len(fill.normals) == 0
+    assert open_edges(vertices, faces, [fill]) == 0
 
 
 def test_a_hole_of_four_corners_in_a_curved_mesh_keeps_its_shape():

@@ -285,6 +285,14 @@ Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOp
   return fill;
 }
 
+void close_if_flat(const Ground& ground, const FillOptions& options, Fill& fill) {
+  if (!is_flat_quadrilateral(ground.mesh.vertices(fill.rim, Eigen::all), fill.vertices)) return;
+  fill.faces = fill_flat(ground, fill.rim, options).faces;
+  for (Points* each : {&fill.vertices, &fill.normals, &fill.barycentric}) each->resize(0, 3);
+  fill.uv.resize(0, 2);
+  fill.deviation.resize(0);
+}
+
 Fill fill_with_planes_of(const Ground& ground, const Fill& patch, const FillOptions& options, const std::string& reason) {
   const Connectivity nothing = without_faces(ground.mesh);
   SplineFillOptions own = {options.resolution, options.output == Output::quads, false, &nothing, options.through,

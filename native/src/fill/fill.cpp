@@ -233,6 +233,7 @@ Fill fill_and_shape(const Ground& ground, const std::vector<Index>& loop, const 
     }
   }
   shape(ground.mesh, ground.left, sizes_of(options.islands), options, fill);
+  if (asks_for_nothing(options)) close_if_flat(ground, options, fill);
   return fill;
 }
 

@@ -406,7 +406,8 @@ void bring_back(const CanonicalPart& part, const Mesh& mesh, const std::vector<s
 /// Of the diameter of a rim: vertices that are so near its plane lie in it.
 constexpr double in_rim_plane = 1e-6;
 
-/// Whether a fill of four edges lies in their plane, so that two triangles do for it.
+}  // namespace
+
 bool is_flat_quadrilateral(const Points& rim, const Points& inside) {
   if (rim.rows() != 4 || inside.rows() == 0) return false;
   const Vec3 first = rim.row(2) - rim.row(0), other = rim.row(3) - rim.row(1);
@@ -417,8 +418,6 @@ bool is_flat_quadrilateral(const Points& rim, const Points& inside) {
   };
   return lie(rim) && lie(inside);
 }
-
-}  // namespace
 
 Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                       const std::vector<std::vector<Index>>& islands, const SplineFillOptions& options) {

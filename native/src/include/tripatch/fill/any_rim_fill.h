@@ -32,6 +32,8 @@ Fill fill_around_islands(const Ground& ground, const std::vector<Index>& rim, co
 /// the fill has creases.
 std::optional<Fill> rows_on_surface(const Ground& ground, const Fill& rows, const Fill& fill);
 
+/// A fill of four edges that lies in their plane gets two triangles.
+void close_if_flat(const Ground& ground, const FillOptions& options, Fill& fill);
 /// In the plane of a flat rim.
 Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options);
 

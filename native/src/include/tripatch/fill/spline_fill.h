@@ -28,4 +28,7 @@ struct SplineFillOptions {
 Fill fill_with_spline(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                       const std::vector<std::vector<Index>>& islands, const SplineFillOptions& options);
 
+/// Whether a fill of four edges lies in their plane, so that two triangles do for it.
+bool is_flat_quadrilateral(const Points& rim, const Points& inside);
+
 }  // namespace tripatch
