@@ -174,7 +174,7 @@ TEST_CASE("what is a sum along rows and across is continued exactly across an L,
   Faces again;
   plain.taken_out(in_an_l, again);
   const Connectivity around(left, grid.vertices.rows());
-  REQUIRE(go_on(around, quads));
+  REQUIRE(go_on(grid.vertices, around, quads));
   const ContinuedRows made = continued_quads(grid.vertices, around, quads);
   REQUIRE(made.order > 0);
   CHECK(farthest(made.inside, grid.vertices(plain.lost, Eigen::all)) < 1e-9);
@@ -205,7 +205,7 @@ TEST_CASE("the corner of a box comes back round its pole, and rows do not go on 
   Faces left;
   QuadsInside quads = corner.taken_out(at_the_corner, left);
   const Connectivity around(left, corner.vertices.rows());
-  REQUIRE(go_on(around, quads));
+  REQUIRE(go_on(corner.vertices, around, quads));
   const ContinuedRows made = continued_quads(corner.vertices, around, quads);
   REQUIRE(made.order > 0);
   CHECK(farthest(made.inside, corner.vertices(corner.lost, Eigen::all)) < 1e-9);
@@ -215,15 +215,15 @@ TEST_CASE("the corner of a box comes back round its pole, and rows do not go on 
   Faces left_of_end;
   const QuadsInside both = end.taken_out([](const Vec3& p) { return p[0] < 3 && p[2] < 3; }, left_of_end);
   REQUIRE(is_among_quads(Connectivity(left_of_end, end.vertices.rows()), both.rim));
-  CHECK_FALSE(go_on(Connectivity(left_of_end, end.vertices.rows()), both));
+  CHECK_FALSE(go_on(end.vertices, Connectivity(left_of_end, end.vertices.rows()), both));
 
   Faces without_a_face;  // a vertex of the rim has three quads then
   for (Index f = 1; f < quads.faces.size(); ++f) without_a_face.add(quads.faces[f]);
-  CHECK_FALSE(go_on(around, {quads.rim, without_a_face, quads.inside}));
+  CHECK_FALSE(go_on(corner.vertices, around, {quads.rim, without_a_face, quads.inside}));
   Faces cut = quads.faces;  // a triangle
   cut.corners.pop_back();
   --cut.offsets.back();
-  CHECK_FALSE(go_on(around, {quads.rim, cut, quads.inside}));
+  CHECK_FALSE(go_on(corner.vertices, around, {quads.rim, cut, quads.inside}));
 }
 
 TEST_CASE("rows go on over up to 2,000 vertices inside, and all that is determined of so many", "[thresholds]") {

@@ -127,3 +127,22 @@ def test_where_a_cube_is_sharp_each_fill_keeps_its_own_plane():
         alone = tripatch.fill(vertices, left, rim=rim)
         assert np.abs(fill.vertices - alone.vertices).max() < 1e-12
         assert np.abs(np.abs(fill.vertices).max(axis=1) - 1).max() < 1e-6
+
+
+@pytest.mark.parametrize("method", ["auto", "polyharmonic_spline"])
+def test_quads_of_a_hole_leave_the_gap_of_another_that_touches_it(method):
+    """A ragged hole in a grid, at four of whose outer corners single quads are missing too: its rows continue."""
+    n = 16
+    x, y = np.meshgrid(np.linspace(-2, 2, n + 1), np.linspace(-2, 2, n + 1), indexing="ij")
+    vertices = np.column_stack([x.ravel(), y.ravel(), height(x, y).ravel()])
+    hole = {(i, j) for i in range(n) for j in range(n) if np.hypot(i - 7.5, j - 7.5) < 4}
+    others = {(10, 3), (5, 3), (12, 5), (3, 5)}
+    assert not hole & others
+    at = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    cells = [(i, j) for i in range(n) for j in range(n) if (i, j) not in hole | others]
+    faces = [[int(at[p]) for p in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))] for i, j in cells]
+    (rim,) = [rim for rim in tripatch.find_holes(faces) if 4 < len(rim) < 4 * n]
+    fill = tripatch.fill(vertices, faces, rim=rim, output="quads", method=method)
+    assert len(fill.faces) == len(hole)
+    count = np.bincount(np.concatenate(fill.faces), minlength=len(vertices) + len(fill.vertices))
+    assert (count[len(vertices) :] == 4).all()

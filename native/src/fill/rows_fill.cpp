@@ -17,8 +17,10 @@
 #include "tripatch/grid/rows_surface.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/math/ties.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/doubled_edges.h"
+#include "tripatch/quads/wanted_quads.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/plane_patch.h"
 
@@ -211,7 +213,8 @@ QuadLayout in_order_from_rim(const QuadLayout& layout) {
 std::optional<QuadLayout> layout_of_rows(const Ground& ground, const std::vector<Index>& rim) {
   if (!is_among_quads(ground.left, rim)) return {};
   Index turns = 0;  // right angles of the rim
-  for (const Index v : rim) turns += static_cast<Index>(ground.left.at(v).size()) - 2;
+  for (std::size_t k = 0; k < rim.size(); ++k)
+    turns += 2 - std::lround(coarse(quads_left(ground.mesh.vertices, ground.left, rim, k)));
   if (std::abs(turns - right_angles_of_grid) > most_poles) return {};
   const std::optional<QuadLayout> layout = grown_layout(rim, ground.mesh.vertices, ground.left);
   if (!layout || std::ranges::any_of(layout->faces.offsets, [](Index at) { return at % 4 != 0; })) return {};
@@ -224,7 +227,9 @@ std::optional<Fill> fill_with_rows_over(const Ground& ground, const std::vector<
                                         Output output, bool features) {
   const Index n = ground.mesh.vertices.rows(), r = layout.rim;
   const QuadsInside quads = {rim, layout.faces, layout.barycentric.rows() - r};
-  if (quads.inside > most_inside || !go_on(ground.left, quads) || doubles_edges(ground.left, rim, layout.faces)) return {};
+  if (quads.inside > most_inside || !go_on(ground.mesh.vertices, ground.left, quads) ||
+      doubles_edges(ground.left, rim, layout.faces))
+    return {};
   check_positions(ground.mesh, ground.left, rim);
   ContinuedRows made = continued_quads(ground.mesh.vertices, ground.left, quads);
   if (made.order == 0 || !made.inside.allFinite()) return {};

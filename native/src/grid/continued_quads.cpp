@@ -15,6 +15,7 @@
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/ties.h"
+#include "tripatch/quads/wanted_quads.h"
 
 namespace tripatch {
 namespace {
@@ -235,7 +236,7 @@ bool is_among_quads(const Connectivity& around, const std::vector<Index>& rim) {
   return std::ranges::all_of(rim, [&](Index v) { return around.knows(v) && std::ranges::all_of(around.at(v), is_quad); });
 }
 
-bool go_on(const Connectivity& around, const QuadsInside& quads) {
+bool go_on(const PointsRef& vertices, const Connectivity& around, const QuadsInside& quads) {
   if (!is_among_quads(around, quads.rim)) return false;
   const Index r = static_cast<Index>(quads.rim.size());
   std::vector<Index> count(static_cast<std::size_t>(r + quads.inside), 0);
@@ -244,10 +245,8 @@ bool go_on(const Connectivity& around, const QuadsInside& quads) {
     for (const Index v : quads.faces[f]) ++count[static_cast<std::size_t>(v)];
   }
   Index poles = std::count_if(count.begin() + r, count.end(), [](Index quads_there) { return quads_there != 4; });
-  for (Index k = 0; k < r; ++k) {
-    const Index v = quads.rim[static_cast<std::size_t>(k)];
-    poles += std::abs(static_cast<Index>(around.at(v).size()) + count[static_cast<std::size_t>(k)] - 4);
-  }
+  for (std::size_t k = 0; k < quads.rim.size(); ++k)
+    poles += std::abs(count[k] - std::lround(coarse(quads_left(vertices, around, quads.rim, k))));
   return poles <= most_poles;
 }
 

@@ -23,7 +23,7 @@ inline constexpr Index most_poles = 1;
 
 /// Whether a rim is among quads, and the rows that end there continue in these: four quads meet at each of its vertices and inside, but
 /// for one vertex where three or five do.
-bool go_on(const Connectivity& around, const QuadsInside& quads);
+bool go_on(const PointsRef& vertices, const Connectivity& around, const QuadsInside& quads);
 
 /// The vertices inside with the least sum of squares of mixed differences, as continued_rows has them in blocks, over all quads that are
 /// side by side in four and in nine around them. The order likewise, by the sides of the rim, which continue between its corners. That

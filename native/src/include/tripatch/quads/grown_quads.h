@@ -5,19 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "tripatch/mesh/connectivity.h"
 #include "tripatch/quads/quad_smoothing.h"
+#include "tripatch/quads/wanted_quads.h"
 
 namespace tripatch {
-
-/// How many quads a vertex of a rim wants inside: where the faces around it are quads, what they lack to four; or, where these are too irregular
-/// for that to come out, what their angles leave, as with all other faces.
-enum class WantedQuads { by_number, by_angle };
-
-/// For each vertex of a rim, counterclockwise: 1 where it turns left, 2 where it continues, 3 where it turns right. What is rounded at one vertex
-/// is made up for at the next. Vertices that `around` does not know lie on edges.
-std::vector<int> wanted_quads(const Points& vertices, const Connectivity& around, const std::vector<Index>& rim,
-                              WantedQuads which = WantedQuads::by_number);
 
 /// The quads that a grid would have that begins at the rim. The rim is unrolled on the lattice of a grid: round a hole in one it closes, and what
 /// was there comes back. Round a pole of 3 or 5 it closes but for a right angle, turned about a point of the lattice, which is where the
