@@ -1,7 +1,9 @@
 #include "tripatch/fill/any_rim_fill.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <tuple>
 
@@ -19,6 +21,7 @@
 #include "tripatch/output/shaped.h"
 #include "tripatch/polygon/domain.h"
 #include "tripatch/quads/quad_smoothing.h"
+#include "tripatch/quads/spread.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
@@ -177,16 +180,31 @@ namespace {
 /// Newton's steps from the nearest vertex of a fill to the foot of a point on its surface: they settle within five.
 constexpr int foot_steps = 5;
 
-/// The quads of another fill between the same boundaries in the plane of a fill; places inside are not set.
-PlaneLayout layout_in_plane(const Ground& ground, const Fill& other, const Fill& fill) {
-  const Index n = ground.mesh.vertices.rows(), r = fill.rim_uv.rows();
+/// Faces whose vertices are numbered from those of a fill's rim on.
+Faces numbered_from_rim(const Ground& ground, const Faces& in_mesh, const Fill& fill) {
+  const Index n = ground.mesh.vertices.rows(), r = static_cast<Index>(fill.rim.size());
   std::map<Index, Index> row;
   for (Index k = 0; k < r; ++k) row[fill.rim[static_cast<std::size_t>(k)]] = k;
+  Faces faces = in_mesh;
+  for (Index& v : faces.corners) v = v < n ? row.at(v) : r + v - n;
+  return faces;
+}
+
+/// The faces of a fill cut into triangles.
+std::vector<std::array<Index, 3>> triangles_in_plane(const Ground& ground, const Fill& fill) {
+  const Faces faces = numbered_from_rim(ground, fill.faces, fill);
+  std::vector<std::array<Index, 3>> triangles;
+  for (Index f = 0; f < faces.size(); ++f)
+    for (std::size_t k = 2; k < faces[f].size(); ++k) triangles.push_back({faces[f][0], faces[f][k - 1], faces[f][k]});
+  return triangles;
+}
+
+/// The quads of another fill between the same boundaries in the plane of a fill; places inside are not set.
+PlaneLayout layout_in_plane(const Ground& ground, const Fill& other, const Fill& fill) {
   PlaneLayout layout;
-  layout.rim = r;
+  layout.rim = fill.rim_uv.rows();
   layout.uv = stacked(fill.rim_uv, PlanePoints(PlanePoints::Zero(other.vertices.rows(), 2)));
-  layout.faces = other.faces;
-  for (Index& v : layout.faces.corners) v = v < n ? row.at(v) : r + v - n;
+  layout.faces = numbered_from_rim(ground, other.faces, fill);
   return layout;
 }
 
@@ -215,12 +233,25 @@ std::optional<Fill> with_faces_of(const Ground& ground, const std::vector<std::v
   return fill;
 }
 
+/// Places of a ring's plane on a cylinder, by turns and from 0 at the outer circle to 1 at the inner.
+PlanePoints on_cylinder(const PlanePoints& places, double inner) {
+  PlanePoints at(places.rows(), 2);
+  for (Index k = 0; k < at.rows(); ++k)
+    at.row(k) << std::atan2(places(k, 1), places(k, 0)) / (2 * std::numbers::pi), (1 - places.row(k).norm()) / (1 - inner);
+  return at;
+}
+
 /// The faces of a ring on the surface of another fill between the same boundaries.
 std::optional<Fill> ring_on_surface(const Ground& ground, const std::vector<std::vector<Index>>& loops, const Fill& ring,
                                     const Fill& fill) {
-  if (!fill.patch || fill.uv.rows() == 0) return {};
+  if (!fill.patch || fill.uv.rows() == 0 || fill.rim != ring.rim) return {};
   PlaneLayout layout = layout_in_plane(ground, ring, fill);
-  embed(layout);
+  const double inner = ring.rim_uv.bottomRows(1).norm();
+  PlanePoints ends_at = on_cylinder(ring.rim_uv, inner);
+  for (Index k = 0; k < ends_at.rows(); ++k) ends_at(k, 1) = std::round(ends_at(k, 1));
+  const SpreadRing spread(triangles_in_plane(ground, fill), stacked(fill.rim_uv, fill.uv), ends_at);
+  const PlanePoints inside_at = on_cylinder(ring.uv, inner);
+  for (Index k = 0; k < inside_at.rows(); ++k) layout.uv.row(layout.rim + k) = spread.carried(inside_at.row(k));
   smoothed_on(layout, *fill.patch, ground.mesh.vertices(fill.rim, Eigen::all));
   return with_faces_of(ground, loops, ring, layout, 0, fill);
 }

@@ -21,6 +21,7 @@
 #include "tripatch/patch/moved_surface.h"
 #include "tripatch/quads/grown_quads.h"
 #include "tripatch/quads/quad_smoothing.h"
+#include "tripatch/quads/spread.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/disc.h"
@@ -120,59 +121,6 @@ std::vector<std::array<Index, 3>> halves_of(const Faces& faces) {
   return triangles;
 }
 
-/// Triangles of a fill, spread in the unit circle, that are looked up by place.
-class SpreadTriangles {
-public:
-  /// rim_at: places of the rim in the circle.
-  SpreadTriangles(const PlaneFill& made, const PlanePoints& rim_at)
-      : triangles_(made.triangles), cells_(static_cast<Index>(std::sqrt(static_cast<double>(made.triangles.size()))) + 1) {
-    Faces faces;
-    for (const std::array<Index, 3>& t : triangles_) faces.add(t);
-    Points rows = Points::Zero(rim_at.rows() + made.uv.rows(), 3);
-    rows.topRows(rim_at.rows()).leftCols(2) = rim_at;
-    spread_inside(faces, rim_at.rows(), rows);
-    at_ = rows.leftCols(2);
-    in_cell_.resize(static_cast<std::size_t>(cells_ * cells_));
-    for (std::size_t k = 0; k < triangles_.size(); ++k) {
-      const PlanePoints corners = at_(triangles_[k], Eigen::all);
-      const auto [first, last] = std::pair(cell(corners.colwise().minCoeff()), cell(corners.colwise().maxCoeff()));
-      for (Index x = first[0]; x <= last[0]; ++x)
-        for (Index y = first[1]; y <= last[1]; ++y) in_cell_[static_cast<std::size_t>(x * cells_ + y)].push_back(k);
-    }
-  }
-
-  /// Where a place of the circle lies among points that the triangles join: in the one that it is in, or least out of.
-  Vec2 carried(const Vec2& place, const PlanePoints& to) const {
-    const std::array<Index, 2> own = cell(place.transpose());
-    double best = -INFINITY;
-    Vec2 found = Vec2::Zero();
-    for (const std::size_t k : in_cell_[static_cast<std::size_t>(own[0] * cells_ + own[1])]) {
-      const std::array<Index, 3>& t = triangles_[k];
-      const Vec2 a = at_.row(t[0]), b = at_.row(t[1]), c = at_.row(t[2]);
-      const double area = twice(b - a, c - a);
-      const double u = twice(c - b, place - b) / area, v = twice(a - c, place - c) / area, least = std::min({u, v, 1 - u - v});
-      if (!(area > 0) || !(least > best)) continue;
-      best = least;
-      found = u * to.row(t[0]) + v * to.row(t[1]) + (1 - u - v) * to.row(t[2]);
-    }
-    return found;
-  }
-
-private:
-  static double twice(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
-  std::array<Index, 2> cell(const Eigen::RowVector2d& place) const {
-    const auto of = [&](double x) {
-      return std::clamp<Index>(static_cast<Index>(0.5 * (x + 1) * static_cast<double>(cells_)), 0, cells_ - 1);
-    };
-    return {of(place[0]), of(place[1])};
-  }
-
-  const std::vector<std::array<Index, 3>>& triangles_;
-  Index cells_;
-  PlanePoints at_;
-  std::vector<std::vector<std::size_t>> in_cell_;
-};
-
 /// The four places of a rim, a quarter of it apart, at which it turns most in the plane: the first of them.
 Index most_turned(const PlanePoints& rim) {
   const Index n = rim.rows();
@@ -197,7 +145,7 @@ std::optional<PlaneLayout> brought_into_plane(const PlaneFill& made, std::option
   PlanePoints rim_at(r, 2);
   for (Index k = 0; k < r; ++k) rim_at.row((k + first) % r) = layout->uv.row(k);
   const Index inside = layout->uv.rows() - r;
-  const SpreadTriangles spread(made, rim_at);
+  const SpreadTriangles spread(made.triangles, r + made.uv.rows(), rim_at);
   const PlanePoints plane = stacked(made.rim_uv, made.uv);
   for (Index k = r; k < r + inside; ++k) layout->uv.row(k) = spread.carried(layout->uv.row(k), plane);
   layout->uv.topRows(r) = made.rim_uv;
