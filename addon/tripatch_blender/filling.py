@@ -536,11 +536,12 @@ def _gathered(bm, said):
     return words.gathered([(min((v.index for v in loop if v.is_valid), default=0), sentences) for loop, sentences in said])
 
 
-def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None):
+def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None, touching=()):
     """Fills rims of a BMesh; returns (Outcome, new faces). Cages of holes that touch each other are made one after the other, all
     others together.
 
     active_shape: name of the shape key whose shape the vertices have now; modifier: the Subdivision modifier, for cages.
+    touching: other rims with which these share tangent planes, but for cages, and which stay open.
     """
     cages, outcome, new_faces = options.arguments.get("output") == "cage", Outcome(), []
     if cages:
@@ -555,8 +556,9 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None)
         outcome.refused += [Refused(tripatch.Message("boundary_replaced"))] * (len(group) - len(usable))
         if not usable:
             continue
-        plans = _plan_group(bm, usable, matrix, options, active_shape, cages, modifier if cages else None)
-        for rim, (plan, notes) in zip(usable, plans, strict=True):
+        others = [] if apart else touching
+        plans = _plan_group(bm, [*usable, *others], matrix, options, active_shape, cages, modifier if cages else None)
+        for rim, (plan, notes) in zip(usable, plans[: len(usable)], strict=True):
             if isinstance(plan, tripatch.Refusal):
                 where = list(plan.where) or [v.index for v in rim.loop]
                 outcome.refused.append(Refused(words.refused(plan), where, rim=rim))

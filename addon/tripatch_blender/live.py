@@ -188,6 +188,18 @@ def find_half(ob, bm, settings):
     return next(half for half in halves if half[1] is chain)
 
 
+def _touching(ob, bm, loop):
+    """Rims of other live fills of an object that share vertices with a loop."""
+    found = []
+    for fill in fills():
+        settings = settings_of(fill)
+        if settings["kind"] == "hole" and not settings.get("half") and fill.get(f"{_AROUND}00") == ob:
+            other = _same_loop(bm, settings)
+            if other and set(other) != set(loop) and not set(other).isdisjoint(loop):
+                found.append(Rim(other))
+    return found
+
+
 # Filling.
 
 
@@ -214,7 +226,8 @@ def _filled(ob, bm, mesh, settings, options, active=None):
     if half:
         outcome, new = mirrored.fill(bm, mesh, matrix, half, options, settings.pop("outer", True), active)
     else:
-        outcome, new = filling.fill_rims(bm, mesh, matrix, [Rim(loop, corners=corners or [])], options, active)
+        rims = [Rim(loop, corners=corners or [])]
+        outcome, new = filling.fill_rims(bm, mesh, matrix, rims, options, active, touching=_touching(ob, bm, loop))
     if outcome is None:
         raise _LeftOut("outer_border_left")
     if outcome.refused:
@@ -308,19 +321,29 @@ def keep(ob, rims, options, halves=(), outer=True):
     plain = [rim for rim in rims if not (rim.replaced or rim.islands)]
     given = [(rim.loop, {"corners": [rim.loop.index(v) for v in rim.corners] or None}) for rim in plain]
     given += [(chain, {"corners": None, "half": True, "outer": outer}) for _, chain in halves]
+    begun = []
     for loop, how in given:
         try:
-            outcome.add(_keep_hole(ob, loop, how, options))
+            begun.append((loop, _begin_hole(ob, loop, how, options)))
+        except UnusableError as reason:
+            refuse(loop, reason.said)
+    for k, (loop, fill) in enumerate(begun):  # those that touch each other know of each other by now
+        try:
+            outcome.add(_keep_hole(ob, loop, fill))
         except _LeftOut:
             pass
         except UnusableError as reason:
             refuse(loop, reason.said)
+        except waiting.Ends:
+            for _, other in begun[k + 1 :]:
+                bpy.data.meshes.remove(other.data)
+            raise
     return outcome
 
 
-def _keep_hole(ob, loop, how, options):
-    """A live fill of a hole of a mesh in edit mode: a new object, joined by a modifier. Returns the filling.Outcome;
-    UnusableError if it cannot be filled. loop: BMVert, their indices up to date."""
+def _begin_hole(ob, loop, how, options):
+    """The object of a live fill of a hole of a mesh in edit mode, still empty; UnusableError if there can be none. loop: BMVert,
+    their indices up to date."""
     if options.arguments.get("surroundings") == "limit":
         raise UnusableError("live_needs_mesh")
     if sum(material is None for material in ob.data.materials) > 1 and any(slot.link == "OBJECT" for slot in ob.material_slots):
@@ -343,6 +366,12 @@ def _keep_hole(ob, loop, how, options):
     _remember(fill, json.loads(json.dumps(settings, default=list)), [ob])
     for collection in limit_objects.collections_of(ob):
         collection.objects.link(fill)
+    return fill
+
+
+def _keep_hole(ob, loop, fill):
+    """Fills the hole of a live fill that was begun, and joins it by a modifier. Returns the filling.Outcome; UnusableError if it
+    cannot be filled, and the live fill is gone."""
     try:
         outcome = _follow(fill)
         waiting.must_finish()
