@@ -1,6 +1,6 @@
 #include "tripatch/spline/small_fill.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,15 +9,12 @@
 #include "tripatch/constructions/methods.h"
 #include "tripatch/creases/flat_walls.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/height_models.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
 namespace {
 
-/// Samples of the spline: two rings around eight edges have about forty vertices. The time grows with the cube.
-constexpr std::size_t most_samples_of_small = 56;
-/// Free polynomials of the spline of order 5/2, to degree 2.
-constexpr int free_terms = 6;
 /// Of the error at samples of the rim that are predicted by the others, from one side: that at the new vertices, which lie amid the rim.
 constexpr double share_of_error = 0.75;
 
@@ -273,114 +270,13 @@ private:
   std::vector<Triangle> triangles_;
 };
 
-/// Values and slopes of the terms of a quadric.
-using Terms = Eigen::Matrix<double, free_terms, 1>;
-Terms terms_at(const Vec2& p) {
-  Terms row;
-  row << 1, p[0], p[1], p[0] * p[0], p[0] * p[1], p[1] * p[1];
-  return row;
-}
-/// Height, and its slopes by the two axes.
-Vec3 quadric_at(const Terms& c, const Vec2& p) {
-  return {c.dot(terms_at(p)), c[1] + 2 * c[3] * p[0] + c[4] * p[1], c[2] + c[4] * p[0] + 2 * c[5] * p[1]};
-}
-
-/// Heights over the plane, estimated from samples of which the first are the rim's.
-class SmallModel {
-public:
-  virtual ~SmallModel() = default;
-  virtual Vec3 at(const Vec2& place) const = 0;
-  /// Root mean square by which samples of the rim are missed by what all others tell.
-  virtual double error() const = 0;
-};
-
-/// The quadric of least squares.
-class SmallQuadric final : public SmallModel {
-public:
-  SmallQuadric(const std::vector<Vec3>& samples, std::size_t rim) {
-    Eigen::Matrix<double, free_terms, free_terms> normal = Eigen::Matrix<double, free_terms, free_terms>::Zero();
-    Terms right = Terms::Zero();
-    for (const Vec3& p : samples) {
-      const Terms terms = terms_at(p.head<2>());
-      normal += terms * terms.transpose();
-      right += p[2] * terms;
-    }
-    const Eigen::LDLT<Eigen::Matrix<double, free_terms, free_terms>> solver(normal);
-    fit_ = solver.solve(right);
-    for (std::size_t k = 0; k < rim; ++k) {
-      const Terms terms = terms_at(samples[k].head<2>());
-      const double missed = (samples[k][2] - fit_.dot(terms)) / (1 - terms.dot(solver.solve(terms)));
-      error_ += missed * missed / static_cast<double>(rim);
-    }
-    error_ = std::sqrt(error_);
-  }
-  Vec3 at(const Vec2& place) const override { return quadric_at(fit_, place); }
-  double error() const override { return error_; }
-
-private:
-  Terms fit_;
-  double error_ = 0;
-};
-
-/// The polyharmonic spline of order 5/2, whose kernel is the cube of the distance. Its error by Rippa 1999, "An algorithm for selecting a good
-/// value for the parameter c in radial basis function interpolation".
-class SmallSpline final : public SmallModel {
-public:
-  SmallSpline(const std::vector<Vec3>& samples, std::size_t rim) : samples_(samples) {
-    const auto n = static_cast<Index>(samples.size());
-    Matrix matrix = Matrix::Zero(n + free_terms, n + free_terms);
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, 1 + static_cast<int>(most_edges_of_small)> right =
-        Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, 1 + static_cast<int>(most_edges_of_small)>::Zero(
-            n + free_terms, 1 + static_cast<Index>(rim));
-    for (Index i = 0; i < n; ++i) {
-      const Vec3& p = samples[static_cast<std::size_t>(i)];
-      right(i, 0) = p[2];
-      for (Index j = 0; j < i; ++j) {
-        const double square = (p - samples[static_cast<std::size_t>(j)]).head<2>().squaredNorm();
-        matrix(i, j) = matrix(j, i) = square * std::sqrt(square);
-      }
-      const Terms terms = terms_at(p.head<2>());
-      matrix.block<1, free_terms>(i, n) = terms.transpose();
-      matrix.block<free_terms, 1>(n, i) = terms;
-    }
-    for (Index k = 0; k < static_cast<Index>(rim); ++k) right(k, 1 + k) = 1;
-    const auto solved = matrix.partialPivLu().solve(right).eval();
-    weights_ = solved.col(0);
-    for (Index k = 0; k < static_cast<Index>(rim); ++k) {
-      const double missed = weights_[k] / solved(k, 1 + k);
-      error_ += missed * missed / static_cast<double>(rim);
-    }
-    error_ = std::sqrt(error_);
-  }
-  Vec3 at(const Vec2& place) const override {
-    const auto n = static_cast<Index>(samples_.size());
-    Vec3 out = quadric_at(weights_.tail<free_terms>(), place);
-    for (Index k = 0; k < n; ++k) {
-      const Vec2 d = place - samples_[static_cast<std::size_t>(k)].head<2>();
-      const double distance = d.norm();
-      out[0] += weights_[k] * distance * distance * distance;
-      out.tail<2>() += 3 * weights_[k] * distance * d;
-    }
-    return out;
-  }
-  double error() const override { return error_; }
-
-private:
-  static constexpr int most = static_cast<int>(most_samples_of_small) + free_terms;
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most, most>;
-
-  const std::vector<Vec3>& samples_;
-  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most, 1> weights_;
-  double error_ = 0;
-};
-
 /// The vertices next to the rim first, as many as there may be.
 void keep_nearest(std::vector<Vec3>& samples, std::size_t rim) {
-  if (samples.size() <= most_samples_of_small) return;
+  if (samples.size() <= most_height_samples) return;
   const auto nearer = [](const Vec3& a, const Vec3& b) { return a.head<2>().squaredNorm() < b.head<2>().squaredNorm(); };
-  std::nth_element(samples.begin() + static_cast<std::ptrdiff_t>(rim), samples.begin() + most_samples_of_small, samples.end(),
+  std::nth_element(samples.begin() + static_cast<std::ptrdiff_t>(rim), samples.begin() + most_height_samples, samples.end(),
                    nearer);
-  samples.resize(most_samples_of_small);
+  samples.resize(most_height_samples);
 }
 
 /// Degrees by which the new faces are turned from those beyond the rim: the most, and root mean square.
@@ -437,10 +333,10 @@ std::optional<Fill> fill_small(const Mesh& mesh, const Connectivity& around, con
   fill.rim_uv.resize(static_cast<Index>(r), 2);
   fill.rim_normals.resize(static_cast<Index>(r), 3);
   keep_nearest(samples, r);
-  if (samples.size() < 2 * free_terms) return {};
-  const SmallQuadric quadric(samples, r);
+  if (samples.size() < 2 * quadric_terms) return {};
+  const HeightQuadric quadric(samples, r);
   double share = 0, error = quadric.error();  // of the spline; of both
-  std::optional<SmallSpline> spline;
+  std::optional<HeightSpline> spline;
   if (added > 0) {
     spline.emplace(samples, r);
     const double q = square(quadric.error()), p = square(spline->error());
