@@ -3,6 +3,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "connected_mesh.h"
 #include "options.h"
 
 using namespace tripatch;
@@ -48,18 +49,22 @@ void bind_fill(py::module_& m) {
   });
   m.def("_fill_all", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                         const std::vector<std::vector<Index>>& rims, const py::dict& options,
-                        const std::vector<std::optional<std::vector<Index>>>& rim_corners, const py::object& progress) {
+                        const std::vector<std::optional<std::vector<Index>>>& rim_corners, const py::object& progress,
+                        const ConnectedMesh* connected) {
     const FillOptions o = fill_options(options);
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     std::vector<std::variant<Fill, Refused>> results;
     {
       py::gil_scoped_release release;
-      results = fill_all({points, faces}, rims, o, rim_corners, [&](std::size_t done) {
-        const py::gil_scoped_acquire acquire;
-        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-        if (!progress.is_none()) progress(done, rims.size());
-      });
+      results = fill_all(
+          {points, faces}, rims, o, rim_corners,
+          [&](std::size_t done) {
+            const py::gil_scoped_acquire acquire;
+            if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+            if (!progress.is_none()) progress(done, rims.size());
+          },
+          connected ? &connected->around() : nullptr);
     }
     py::list out;
     for (auto& result : results) {

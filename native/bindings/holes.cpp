@@ -1,6 +1,7 @@
 // Borders of a mesh, their corners, and the sides that its faces give them.
 #include "arrays.h"
 #include "bindings.h"
+#include "connected_mesh.h"
 #include "options.h"
 #include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/estimate/local_mesh.h"
@@ -9,7 +10,6 @@
 #include "tripatch/hole/hole.h"
 #include "tripatch/hole/islands.h"
 #include "tripatch/hole/near_duplicates.h"
-#include "tripatch/hole/outer_borders.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/unjoined.h"
 #include "tripatch/report/passages.h"
@@ -24,77 +24,73 @@ py::list listed(const std::vector<std::vector<Index>>& loops) {
   return out;
 }
 
+py::object joined_borders(ConnectedMesh& connected, std::optional<double> distance) {
+  JoinedBorders joined;
+  {
+    py::gil_scoped_release release;
+    const double within = distance.value_or(same_place * size_of(connected.mesh()));
+    joined = join_borders(connected.mesh(), connected.loops(), within, distance.has_value());
+  }
+  if (joined.stands.empty()) return py::none();
+  py::list splits;
+  for (const EdgeSplit& each : joined.splits) splits.append(py::make_tuple(each.face, each.corner, each.vertex, each.t));
+  return py::make_tuple(array_from(joined.faces.offsets), array_from(joined.faces.corners), array_from(joined.stands), splits);
+}
+
 void bind_borders(py::module_& m) {
-  m.def("_outer_borders", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners) {
-    const FacesRef faces = faces_from(offsets, corners);
-    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-    std::vector<std::vector<Index>> loops;
-    {
-      py::gil_scoped_release release;
-      for (Border& border : borders_of({points, faces}))
-        if (border.outer) loops.push_back(std::move(border.loop));
-    }
-    return listed(loops);
-  });
-  m.def("_join_borders",
-        [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
-           std::optional<double> distance) -> py::object {
-          const FacesRef faces = faces_from(offsets, corners);
-          const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-          JoinedBorders joined;
-          {
-            py::gil_scoped_release release;
-            const Mesh mesh{points, faces};
-            joined = join_borders(mesh, distance.value_or(same_place * size_of(mesh)), distance.has_value());
-          }
-          if (joined.stands.empty()) return py::none();
-          py::list splits;
-          for (const EdgeSplit& each : joined.splits) splits.append(py::make_tuple(each.face, each.corner, each.vertex, each.t));
-          return py::make_tuple(array_from(joined.faces.offsets), array_from(joined.faces.corners), array_from(joined.stands),
-                                splits);
-        });
-  m.def("_contacts", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
-                        const std::vector<std::vector<Index>>& loops) {
-    const FacesRef faces = faces_from(offsets, corners);
-    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-    std::vector<std::array<Index, 4>> found;
-    py::gil_scoped_release release;
-    for (const Contact& each : contacts({points, faces}, loops))
-      found.push_back({static_cast<Index>(each.on_others), static_cast<Index>(each.on_itself), each.edge[0], each.edge[1]});
-    return found;
-  });
-  m.def("_islands", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
-                       const std::vector<std::vector<Index>>& loops, bool parts) {
-    const FacesRef faces = faces_from(offsets, corners);
-    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-    py::gil_scoped_release release;
-    const Mesh mesh{points, faces};
-    return islands_of(mesh, Connectivity(mesh), loops, parts);
-  });
+  py::class_<ConnectedMesh>(m, "ConnectedMesh")
+      .def(py::init<Array, IndexArray, IndexArray>())
+      .def("borders", [](ConnectedMesh& connected) { return listed(connected.loops()); })
+      .def("outer_borders",
+           [](ConnectedMesh& connected) {
+             std::vector<std::vector<Index>> outer;
+             for (const Border& border : connected.borders())
+               if (border.outer) outer.push_back(border.loop);
+             return listed(outer);
+           })
+      .def("chosen",
+           [](ConnectedMesh& connected, const py::dict& options) {
+             const HoleChoice choice = hole_choice(options);
+             std::vector<std::vector<Index>> loops;
+             {
+               py::gil_scoped_release release;
+               loops = chosen_among(connected.borders(), connected.mesh(), connected.around(), choice);
+             }
+             return listed(loops);
+           })
+      .def("join_borders", &joined_borders)
+      .def("contacts",
+           [](ConnectedMesh& connected) {
+             std::vector<std::array<Index, 4>> found;
+             py::gil_scoped_release release;
+             for (const Contact& each : contacts(connected.mesh(), connected.loops()))
+               found.push_back(
+                   {static_cast<Index>(each.on_others), static_cast<Index>(each.on_itself), each.edge[0], each.edge[1]});
+             return found;
+           })
+      .def("islands", [](const ConnectedMesh& connected, const std::vector<std::vector<Index>>& loops, bool parts) {
+        py::gil_scoped_release release;
+        return islands_of(connected.mesh(), connected.around(), loops, parts);
+      });
 }
 
 void bind_passages(py::module_& m) {
-  m.def("_passages", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const py::list& fills) {
-    const FacesRef faces = faces_from(offsets, corners);
-    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-    std::vector<std::array<py::array, 4>> held;  // the arrays must outlive the views of them
-    std::vector<FillFaces> read;
-    for (const py::handle& each : fills) {
-      const auto [added, starts, of_faces, rim] = each.cast<std::tuple<Array, IndexArray, IndexArray, IndexArray>>();
-      held.push_back({added, starts, of_faces, rim});
-      read.push_back({Eigen::Map<const Points>(added.data(), added.shape(0), 3), faces_from(starts, of_faces),
-                      std::span<const Index>(rim.data(), static_cast<std::size_t>(rim.size()))});
-    }
-    std::vector<std::optional<Vec3>> found;
-    {
-      py::gil_scoped_release release;
-      found = passages({points, faces}, read);
-    }
-    py::list out;
-    for (const std::optional<Vec3>& each : found)
-      out.append(each ? py::object(py::make_tuple(each->x(), each->y(), each->z())) : py::none());
-    return out;
-  });
+  m.def("_passages",
+        [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const std::vector<const Fill*>& fills) {
+          const FacesRef faces = faces_from(offsets, corners);
+          const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+          std::vector<std::optional<Vec3>> found;
+          {
+            py::gil_scoped_release release;
+            std::vector<FillFaces> looked_at;
+            for (const Fill* each : fills) looked_at.push_back({each->vertices, each->faces, each->rim});
+            found = passages({points, faces}, looked_at);
+          }
+          py::list out;
+          for (const std::optional<Vec3>& each : found)
+            out.append(each ? py::object(py::make_tuple(each->x(), each->y(), each->z())) : py::none());
+          return out;
+        });
 }
 
 }  // namespace
@@ -112,18 +108,6 @@ void bind_holes(py::module_& m) {
     }
     return listed(loops);
   });
-  m.def("_choose_holes",
-        [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const py::dict& options) {
-          const HoleChoice choice = hole_choice(options);
-          const FacesRef faces = faces_from(offsets, corners);
-          const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-          std::vector<std::vector<Index>> loops;
-          {
-            py::gil_scoped_release release;
-            loops = choose_holes({points, faces}, choice);
-          }
-          return listed(loops);
-        });
   m.def("_told_of_unjoined", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                                 const std::vector<std::vector<Index>>& rims) {
     const FacesRef faces = faces_from(offsets, corners);

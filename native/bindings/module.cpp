@@ -30,8 +30,8 @@ PYBIND11_MODULE(_native, m) {
   bind_blends(m);
   bind_methods(m);
   bind_report(m);
-  bind_fill(m);
   bind_holes(m);
+  bind_fill(m);
   bind_polygon(m);
   bind_making(m);
   m.def(

@@ -30,6 +30,10 @@ Strip strip(int squares, double apart) {
   return made;
 }
 
+JoinedBorders joined_within(const Mesh& mesh, double distance, bool junctions) {
+  return join_borders(mesh, border_loops(Connectivity(mesh)), distance, junctions);
+}
+
 std::size_t border_edges(const Mesh& mesh) {
   std::size_t count = 0;
   for (const std::vector<Index>& loop : border_loops(Connectivity(mesh))) count += loop.size();
@@ -42,7 +46,7 @@ TEST_CASE("vertices within an edge of another border go into the face there", "[
   const int squares = GENERATE(1, 2, 5);
   const double apart = GENERATE(0.0, 1e-5);
   const Strip made = strip(squares, apart);
-  const JoinedBorders joined = join_borders(made.mesh(), 1e-4, true);
+  const JoinedBorders joined = joined_within(made.mesh(), 1e-4, true);
   REQUIRE(joined.splits.size() == static_cast<std::size_t>(squares - 1));
   for (std::size_t k = 0; k < joined.splits.size(); ++k) {
     const EdgeSplit& split = joined.splits[k];
@@ -58,8 +62,8 @@ TEST_CASE("vertices within an edge of another border go into the face there", "[
 }
 
 TEST_CASE("without junctions only edges with the same ends are joined", "[near_duplicates]") {
-  CHECK(join_borders(strip(3, 0).mesh(), 1e-4, false).stands.empty());
-  CHECK_FALSE(join_borders(strip(1, 0).mesh(), 1e-4, false).stands.empty());
+  CHECK(joined_within(strip(3, 0).mesh(), 1e-4, false).stands.empty());
+  CHECK_FALSE(joined_within(strip(1, 0).mesh(), 1e-4, false).stands.empty());
 }
 
 TEST_CASE("an edge along which two others lie at one place is joined to none", "[near_duplicates]") {
@@ -68,9 +72,9 @@ TEST_CASE("an edge along which two others lie at one place is joined to none", "
   made.vertices.conservativeResize(first + 3, 3);
   made.vertices.bottomRows(3) << 0, 0, 0, 0, 1, 0, 0.5, 0.5, 1;  // a third sheet at the same edge
   made.faces.add(std::array<Index, 3>{first, first + 2, first + 1});
-  CHECK(join_borders(made.mesh(), 1e-4, true).splits.empty());
+  CHECK(joined_within(made.mesh(), 1e-4, true).splits.empty());
 }
 
 TEST_CASE("borders that are farther apart than the distance stay apart", "[near_duplicates]") {
-  CHECK(join_borders(strip(3, 1e-2).mesh(), 1e-4, true).stands.empty());
+  CHECK(joined_within(strip(3, 1e-2).mesh(), 1e-4, true).stands.empty());
 }

@@ -31,9 +31,10 @@ inline Refused refused(const CodedRefusal& refusal) { return {refusal.message(),
 using Progress = std::function<void(std::size_t done)>;
 /// One result for each rim, in order; a refusal of one does not stop the others. Cages whose surroundings overlap are fitted
 /// together; fills of holes that share a vertex have one tangent plane there. corners: of each rim (shorter: detected); options.replaced: the faces in all of them; options.center: of one rim only.
+/// connected: of the whole mesh, if the caller has it.
 std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::vector<std::vector<Index>>& rims,
                                                   const FillOptions& options = {},
                                                   const std::vector<std::optional<std::vector<Index>>>& corners = {},
-                                                  const Progress& progress = {});
+                                                  const Progress& progress = {}, const Connectivity* connected = nullptr);
 
 }  // namespace tripatch

@@ -75,18 +75,20 @@ class Holes:
         self._original, self._offsets, self.corners = corners, offsets, corners
         self._stands: Array | None = None
         self.joined: Joined | None = None
-        joined = _native._join_borders(vertices, offsets, corners, join)
+        self.connected = _native.ConnectedMesh(vertices, offsets, corners)
+        joined = self.connected.join_borders(join)
         if joined:
             self._offsets, self.corners, self._stands, splits = joined
             whole = Joined(vertices, self._stands, splits)
             self._original = whole.faces(offsets, corners)[1]
             changes = len(splits) or len(whole.moved[0])
             self.joined = whole if join is not None and changes else None
-        self.mesh = mesh = vertices, self._offsets, self.corners
-        self.borders = borders = [loop.tolist() for loop in _native._find_holes(*mesh[1:])]
-        chosen = [loop.tolist() for loop in _native._choose_holes(*mesh, given)] if borders else []
-        outer = _outer_among(mesh, borders, chosen, given)
-        found = zip(borders, _native._contacts(*mesh, borders), strict=True)
+            self.connected = _native.ConnectedMesh(vertices, self._offsets, self.corners)
+        self.mesh = vertices, self._offsets, self.corners
+        self.borders = borders = _lists(self.connected.borders())
+        chosen = _lists(self.connected.chosen(given))
+        outer = [] if given.get("outer") else _lists(self.connected.outer_borders())
+        found = zip(borders, self.connected.contacts(), strict=True)
         contacts = {loop[0]: contact for loop, contact in found if contact[0] or contact[1] == len(loop)}
         near = [loop for loop in outer if loop[0] in contacts]
         self.outer = [loop for loop in outer if loop[0] not in contacts]
@@ -94,13 +96,13 @@ class Holes:
         self.refused = {k: _refusal(loop, contacts[loop[0]]) for k, loop in enumerate(self.rims) if loop[0] in contacts}
         self.islands: list[list[list[int]]] = [[] for _ in self.rims]
         if islands == "auto" and len(self.rims) + len(self.outer) > 1:
-            self._gather_islands(mesh)
+            self._gather_islands()
         self._edges = None if self._stands is None else self._doubled_edges()
 
-    def _gather_islands(self, mesh: tuple[Array, Array, Array]) -> None:
+    def _gather_islands(self) -> None:
         free = [k for k in range(len(self.rims)) if k not in self.refused]
         loops = [*(self.rims[k] for k in free), *self.outer]  # a piece that floats in a hole has an outer border
-        inside = _native._islands(*mesh, loops, True)[: len(free)]
+        inside = self.connected.islands(loops, True)[: len(free)]
         gone = {loops[i][0] for each in inside for i in each}
         for k, each in zip(free, inside, strict=True):
             self.islands[k] = [loops[i] for i in each]
@@ -159,15 +161,8 @@ class Holes:
         return _Renumbered(native, corners, self.in_mesh(native.rim.tolist()))
 
 
-def _outer_among(mesh: tuple[Array, Array, Array], borders: list[list[int]], chosen: list[list[int]], given: Any) -> list[Any]:
-    """The outer borders, unless they are chosen too. Where nothing else is left out, they are all that is not chosen."""
-    if not borders or given.get("outer"):
-        return []
-    filters = [given.get(name) for name in ("max_edges", "max_diameter", "corner_count")]
-    if any(each is not None for each in filters):
-        return [loop.tolist() for loop in _native._outer_borders(*mesh)]
-    holes = {tuple(loop) for loop in chosen}
-    return [loop for loop in borders if tuple(loop) not in holes]
+def _lists(loops: list[Array]) -> list[list[int]]:
+    return [loop.tolist() for loop in loops]
 
 
 def find(vertices: Any, faces: Any, islands: str = "auto", join: float | None = None, **choosing: Any) -> Holes:
@@ -177,7 +172,7 @@ def find(vertices: Any, faces: Any, islands: str = "auto", join: float | None = 
 
 def islands_of(vertices: Any, faces: Any, loops: Any, parts: bool = True) -> list[list[int]]:
     """For each of some border loops the numbers of those that lie in it. parts: those of other parts of the mesh alone."""
-    return _native._islands(*_arrays.mesh(vertices, faces), loops, parts)
+    return _native.ConnectedMesh(*_arrays.mesh(vertices, faces)).islands(loops, parts)
 
 
 class _Renumbered:
@@ -198,8 +193,8 @@ def _refusal(loop: list[int], contact: Any) -> Refusal:
     return Refusal.of(Message(code, {"count": int(on_others), "edges": len(loop), "edge": [int(a), int(b)]}, loop))
 
 
-def passages(vertices: Array, offsets: Array, corners: Array, fills: list[Any], replaced: Any = ()) -> list[Any]:
-    """For each fill a place where it passes through a face of the mesh beyond those at its rim, else None."""
+def passages(vertices: Array, offsets: Array, corners: Array, fills: list[_native.Filled], replaced: Any = ()) -> list[Any]:
+    """For each fill of the core a place where it passes through a face of the mesh beyond those at its rim, else None."""
     if not fills:
         return []
     if len(replaced):
@@ -208,6 +203,4 @@ def passages(vertices: Array, offsets: Array, corners: Array, fills: list[Any], 
         stays[np.asarray(replaced)] = False
         corners, sizes = corners[np.repeat(stays, sizes)], sizes[stays]
         offsets = np.concatenate([[0], np.cumsum(sizes)])
-    return _native._passages(
-        vertices, offsets, corners, [(fill.vertices, fill.face_offsets, fill.face_corners, fill.rim) for fill in fills]
-    )
+    return _native._passages(vertices, offsets, corners, fills)

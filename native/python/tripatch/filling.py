@@ -5,13 +5,14 @@ from __future__ import annotations
 import copy
 import dataclasses
 import functools
+import operator
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
 
 from . import _arrays, _native, words
-from ._native import Patch
+from ._native import Patch, Report, Side
 from ._types import Array, ArrayLike, Faces
 from .borders import Holes, Joined, passages
 from .errors import Refusal
@@ -46,32 +47,55 @@ class Fill:
         passes_through: a place (x, y, z) where it goes through a face of the mesh that is not at its rim, else None.
     """
 
+    vertices: Array
+    normals: Array
+    barycentric: Array
+    uv: Array | None
+    rim_uv: Array | None
+    deviation: Array | None
+    rim: Array
+    rim_normals: Array
+    rim_barycentric: Array
+    moved: tuple[Array, Array]
+    split_edges: tuple[Array, Array]
+    creases: tuple[Array, Array]
+    feature_edges: Array
+    border: Array
+    sides: tuple[Side, ...]
+    report: Report
+
     def __init__(self, native: _native.Filled, source: Source) -> None:
-        self._source, self._patch = source, native.patch
-        self._has_patch = native.patch is not None
-        self._offsets, self._corners = native.face_offsets, native.face_corners
-        self.replaced = np.array(source.options.get("replaced", ()), np.int64)
+        self._source, self._filled, self._patch = source, native, native.patch
+        self._has_patch = self._patch is not None
         self.passes_through: tuple[float, float, float] | None = None
-        self.vertices = native.vertices
-        self.normals = native.normals
-        self.barycentric = native.barycentric
-        self.uv, self.rim_uv = native.uv, native.rim_uv
-        self.deviation = native.deviation
-        self.rim = native.rim
-        islands = source.options.get("islands") or ()
-        inside = [len(loop) for loop in islands] if not isinstance(islands, str) else []
-        self.loops = [len(self.rim) - sum(inside), *inside]
-        self.rim_normals = native.rim_normals
-        self.rim_barycentric = native.rim_barycentric
-        self.moved = (native.moved, native.moved_to)
-        self.split_edges = (np.array(native.split_edges, np.int64).reshape(-1, 2), np.array(native.split_t))
-        self.creases = (np.array(native.creases, np.int64).reshape(-1, 2), np.array(native.crease_values, np.float64))
-        self.feature_edges = np.array(native.feature_edges, np.int64).reshape(-1, 2)
-        self.border = native.border
-        self.sides = tuple(native.sides)
-        self.report = native.report
         if self._has_patch:
             vars(self._patch)["_recipe"] = functools.partial(source.recipe, self.rim, self.vertices)
+
+    def __getattr__(self, name: str) -> Any:
+        """What is read for the first time: of ten thousand fills most is not."""
+        filled, read = vars(self).get("_filled"), _READ.get(name)
+        if filled is None or read is None:
+            raise AttributeError(f"a Fill has no {name}")
+        made = vars(self)[name] = read(filled)
+        return made
+
+    def _whole(self) -> dict[str, Any]:
+        """All that it holds, without what that is read from."""
+        for name in _READ:
+            getattr(self, name)
+        return {name: value for name, value in vars(self).items() if name != "_filled"}
+
+    @functools.cached_property
+    def replaced(self) -> Array:
+        """Indices of the mesh's faces that the fill takes the place of."""
+        return np.array(self.options.get("replaced", ()), np.int64)
+
+    @functools.cached_property
+    def loops(self) -> list[int]:
+        """How many vertices each loop of the rim has, that around the islands first."""
+        islands = self.options.get("islands") or ()
+        inside = [len(loop) for loop in islands] if not isinstance(islands, str) else []
+        return [len(self.rim) - sum(inside), *inside]
 
     @property
     def patch(self) -> Patch:
@@ -87,12 +111,12 @@ class Fill:
 
     def __getstate__(self) -> dict[str, Any]:
         near = self._source.near(self._corners)
-        return {**vars(self), "_patch": None, "_source": near}
+        return {**self._whole(), "_patch": None, "_source": near}
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Fill:
         made = memo[id(self)] = object.__new__(Fill)
         shared = ("_source", "_patch")
-        vars(made).update({name: v if name in shared else copy.deepcopy(v, memo) for name, v in vars(self).items()})
+        vars(made).update({name: v if name in shared else copy.deepcopy(v, memo) for name, v in self._whole().items()})
         return made
 
     @functools.cached_property
@@ -134,6 +158,29 @@ class Fill:
         toward = np.asarray(self.rim_normals).sum(axis=0) + self.normals.sum(axis=0)
         toward = toward if np.linalg.norm(toward) > 0 else np.array([0.0, 0, 1])
         return png(picture(crop["vertices"], [*crop["around"], *crop["fill"]], size=(480, 360), toward=toward)[0])
+
+
+def _pairs(edges: list[list[int]]) -> Array:
+    return np.array(edges, np.int64).reshape(-1, 2)
+
+
+#: How the attributes of a `Fill` are read from that of the core.
+_READ: dict[str, Callable[[_native.Filled], Any]] = {
+    **{
+        name: operator.attrgetter(name)
+        for name in (
+            *("vertices", "normals", "barycentric", "uv", "rim_uv", "deviation"),
+            *("rim", "rim_normals", "rim_barycentric", "border", "report"),
+        )
+    },
+    "_offsets": operator.attrgetter("face_offsets"),
+    "_corners": operator.attrgetter("face_corners"),
+    "moved": lambda filled: (filled.moved, filled.moved_to),
+    "split_edges": lambda filled: (_pairs(filled.split_edges), np.array(filled.split_t)),
+    "creases": lambda filled: (_pairs(filled.creases), np.array(filled.crease_values, np.float64)),
+    "feature_edges": lambda filled: _pairs(filled.feature_edges),
+    "sides": lambda filled: tuple(filled.sides),
+}
 
 
 class Fills(list["Fill | Refusal"]):
@@ -200,7 +247,7 @@ class Source:
             given = checked("fill", {**self.options, "rim": self.rim})
             return _native._fill(*mesh, not_at_default("fill", given), None)
         given = checked("fill_all", self.options)
-        return _native._fill_all(*mesh, [self.rim], given, [self.rim_corners], None)[0]
+        return _native._fill_all(*mesh, [self.rim], given, [self.rim_corners], None, None)[0]
 
     def patch(self, vertices: Array) -> Patch:
         """The patch of the fill that has these vertices."""
@@ -369,7 +416,7 @@ def fill_all(
     if holes and (holes.refused or any(holes.islands)):
         results = _with_islands(mesh, holes, options, by_rim, progress)
     else:
-        results = _native._fill_all(v, offsets, face_corners, loops, given, by_rim, progress)
+        results = _native._fill_all(*mesh, loops, given, by_rim, progress, holes and holes.connected)
     natives = [result for result in results if not isinstance(result, Refusal)]
     through = iter(passages(*mesh, natives, given["replaced"]) if _is_in_mesh(given) else [None] * len(natives))
     together: list[Any] = []
@@ -400,19 +447,18 @@ def _is_in_mesh(given: Any) -> bool:
 
 def _with_islands(mesh: Any, holes: Holes, options: dict[str, Any], by_rim: list[Any], progress: Any) -> list[Any]:
     """Fills of holes of which some have islands, or are refused."""
-    v, offsets, face_corners = mesh
     plain = [k for k in range(len(holes.rims)) if k not in holes.refused and not holes.islands[k]]
     given = checked("fill_all", options)
     rims, corners = [holes.rims[k] for k in plain], [by_rim[k] for k in plain] if by_rim else []
     results: dict[int, Any] = dict(holes.refused)
-    results.update(zip(plain, _native._fill_all(v, offsets, face_corners, rims, given, corners, progress), strict=True))
+    results.update(zip(plain, _native._fill_all(*mesh, rims, given, corners, progress, holes.connected), strict=True))
     own = {name: value for name, value in options.items() if "fill" in OPTIONS[name].functions}
     for k, islands in enumerate(holes.islands):
         if not islands or k in results:
             continue
         try:
             asked = checked("fill", {**own, "rim": holes.rims[k], "islands": islands})
-            results[k] = _native._fill(v, offsets, face_corners, not_at_default("fill", asked), progress)
+            results[k] = _native._fill(*mesh, not_at_default("fill", asked), progress)
         except Refusal as refusal:
             results[k] = refusal
     return [results[k] for k in range(len(holes.rims))]

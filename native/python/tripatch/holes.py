@@ -43,7 +43,7 @@ def choose_holes(vertices: ArrayLike, faces: Faces, **options: Any) -> list[Arra
         An int array for each loop, as `find_holes` has it.
     """
     given = checked("choose_holes", options)
-    return _native._choose_holes(*_arrays.mesh(vertices, faces), given)
+    return _native.ConnectedMesh(*_arrays.mesh(vertices, faces)).chosen(given)
 
 
 def outer_borders(vertices: ArrayLike, faces: Faces) -> list[Array]:
@@ -59,7 +59,7 @@ def outer_borders(vertices: ArrayLike, faces: Faces) -> list[Array]:
     Returns:
         An int array for each loop, as `find_holes` has it.
     """
-    return _native._outer_borders(*_arrays.mesh(vertices, faces))
+    return _native.ConnectedMesh(*_arrays.mesh(vertices, faces)).outer_borders()
 
 
 def find_corners(vertices: ArrayLike, faces: Faces, rim: ArrayLike, *, replaced: Any = (), any_number: bool = False) -> Array:

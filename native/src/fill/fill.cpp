@@ -413,7 +413,7 @@ Fill fill_one_hole(const Mesh& mesh, const FillOptions& options) {
 }
 
 Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>& rims, const FillOptions& options,
-                        const std::vector<Corners>& corners, const Progress& progress);
+                        const std::vector<Corners>& corners, const Progress& progress, const Connectivity* connected = nullptr);
 
 /// The same of every hole: those that it leads to no fill of are filled as they are.
 Results fill_every_merged(const Mesh& mesh, const MergedRims& merged, const std::vector<std::vector<Index>>& rims,
@@ -439,7 +439,7 @@ Results fill_every_merged(const Mesh& mesh, const MergedRims& merged, const std:
 }
 
 Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>& rims, const FillOptions& options,
-                        const std::vector<Corners>& corners, const Progress& progress) {
+                        const std::vector<Corners>& corners, const Progress& progress, const Connectivity* connected) {
   if (options.center && rims.size() > 1)
     throw InvalidArgument("center is the middle of one hole; center_offset moves the middles of several");
   check_for_holes(options);
@@ -449,7 +449,7 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
   if (rims.empty()) return results;
   if (const std::optional<Vec3> origin = local_origin(mesh, rims)) {
     const Elsewhere near(mesh, options, *origin);
-    results = fill_every_hole({near.vertices, mesh.faces}, rims, near.options, corners, progress);
+    results = fill_every_hole({near.vertices, mesh.faces}, rims, near.options, corners, progress, connected);
     for (std::variant<Fill, Refused>& result : results)
       if (Fill* fill = std::get_if<Fill>(&result)) near.bring_back(*fill);
     return results;
@@ -459,7 +459,7 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
       return fill_every_merged(mesh, merged, rims, options, corners, progress);
   std::optional<std::vector<Index>> only;
   if (rims.size() == 1) only = rims[0];
-  Ground ground(mesh, only, options);
+  Ground ground(mesh, only, options, connected);
   if (options.surroundings == SurroundingsFrom::mesh) ground.planes = shared_planes(mesh, ground.left, rims);
   const auto report_progress = [&](std::size_t done) {
     if (progress) progress(done);
@@ -525,10 +525,10 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
 std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::vector<std::vector<Index>>& rims,
                                                   const FillOptions& options,
                                                   const std::vector<std::optional<std::vector<Index>>>& corners,
-                                                  const Progress& progress) {
+                                                  const Progress& progress, const Connectivity* connected) {
   check_creases(mesh, options.subdivision.crease_edges);
   for (const Corners& each : corners) check_corners(each);
-  Results results = fill_every_hole(mesh, rims, options, corners, progress);
+  Results results = fill_every_hole(mesh, rims, options, corners, progress, connected);
   const std::vector<std::optional<Message>> told = told_of_rims(mesh, rims);
   for (std::size_t k = 0; k < results.size(); ++k) {
     Fill* const fill = std::get_if<Fill>(&results[k]);

@@ -24,8 +24,13 @@ Connectivity around_rim(const Mesh& mesh, const std::optional<std::vector<Index>
 
 }  // namespace
 
-Ground::Ground(const Mesh& given, const std::optional<std::vector<Index>>& rim, const FillOptions& options)
-    : mesh(given), left(around_rim(given, rim, options.islands, options.replaced)), is_part_(rim.has_value()) {
+Ground::Ground(const Mesh& given, const std::optional<std::vector<Index>>& rim, const FillOptions& options,
+               const Connectivity* connected)
+    : mesh(given),
+      left(!rim && connected && options.replaced.empty()
+               ? *connected
+               : own_.emplace(around_rim(given, rim, options.islands, options.replaced))),
+      is_part_(rim.has_value()) {
   if (!options.replaced.empty() && (options.surroundings == SurroundingsFrom::limit || !rim))
     all_ = around_rim(given, rim, options.islands, {});
 }

@@ -20,12 +20,12 @@ int count_corners(const Mesh& mesh, const Connectivity& around, const std::vecto
 
 }  // namespace
 
-std::vector<std::vector<Index>> choose_holes(const Mesh& mesh, const HoleChoice& choice) {
+std::vector<std::vector<Index>> chosen_among(const std::vector<Border>& borders, const Mesh& mesh, const Connectivity& around,
+                                             const HoleChoice& choice) {
   if (choice.corner_count && (*choice.corner_count)[0] > (*choice.corner_count)[1])
     throw CodedArgument(Code::corner_counts_not_in_order, {{"option", "corner_count"}});
-  const Connectivity around(mesh);
   std::vector<std::vector<Index>> chosen;
-  for (Border& border : borders_of(mesh, around)) {
+  for (const Border& border : borders) {
     if (border.outer && !choice.outer) continue;
     if (choice.max_edges && std::cmp_greater(border.loop.size(), *choice.max_edges)) continue;
     if (choice.max_diameter && !(border.diameter <= *choice.max_diameter)) continue;
@@ -33,9 +33,14 @@ std::vector<std::vector<Index>> choose_holes(const Mesh& mesh, const HoleChoice&
       const int corners = count_corners(mesh, around, border.loop);
       if (corners < (*choice.corner_count)[0] || corners > (*choice.corner_count)[1]) continue;
     }
-    chosen.push_back(std::move(border.loop));
+    chosen.push_back(border.loop);
   }
   return chosen;
+}
+
+std::vector<std::vector<Index>> choose_holes(const Mesh& mesh, const HoleChoice& choice) {
+  const Connectivity around(mesh);
+  return chosen_among(borders_of(mesh, around), mesh, around, choice);
 }
 
 }  // namespace tripatch

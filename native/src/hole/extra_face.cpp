@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <map>
 #include <unordered_map>
+#include <utility>
 
 namespace tripatch {
 namespace {
@@ -33,8 +34,17 @@ struct Ear {
   Index face, rim, a, b;  ///< the other edge
 };
 
+/// For each vertex whether a rim has it.
+std::vector<char> marked_rims(const Mesh& mesh, std::span<const std::vector<Index>> rims) {
+  std::vector<char> marked(static_cast<std::size_t>(mesh.vertices.rows()), 0);
+  for (const std::vector<Index>& rim : rims)
+    for (const Index v : rim)
+      if (v >= 0 && std::cmp_less(v, marked.size())) marked[v] = 1;
+  return marked;
+}
+
 /// Of faces whose vertices a rim has.
-std::vector<Ear> ears_of(const Mesh& mesh, std::span<const std::vector<Index>> rims) {
+std::vector<Ear> ears_of(const Mesh& mesh, std::span<const std::vector<Index>> rims, const std::vector<char>& on_rim) {
   std::unordered_map<Index, std::array<Index, 2>> place;  // the rim, the first of several, and the place in it
   for (std::size_t r = 0; r < rims.size(); ++r)
     for (std::size_t k = 0; k < rims[r].size(); ++k)
@@ -42,8 +52,9 @@ std::vector<Ear> ears_of(const Mesh& mesh, std::span<const std::vector<Index>> r
   std::vector<Ear> ears;
   for (Index f = 0; f < mesh.faces.size(); ++f) {
     const std::span<const Index> face = mesh.faces[f];
-    const auto first = place.find(face.empty() ? -1 : face[0]);
-    if (face.size() < 3 || first == place.end()) continue;
+    const auto is_on_rim = [&](Index v) { return v >= 0 && std::cmp_less(v, on_rim.size()) && on_rim[v]; };
+    if (face.size() < 3 || !std::ranges::all_of(face, is_on_rim)) continue;
+    const auto first = place.find(face[0]);
     const Index rim = first->second[0], count = static_cast<Index>(rims[static_cast<std::size_t>(rim)].size());
     const auto is_there = [&](Index v) { return place.contains(v) && place.at(v)[0] == rim; };
     if (!std::ranges::all_of(face, is_there)) continue;
@@ -62,7 +73,8 @@ std::vector<Ear> ears_of(const Mesh& mesh, std::span<const std::vector<Index>> r
 
 std::vector<std::optional<Message>> told_of_extra_faces(const Mesh& mesh, std::span<const std::vector<Index>> rims) {
   std::vector<std::optional<Message>> told(rims.size());
-  const std::vector<Ear> ears = ears_of(mesh, rims);
+  const std::vector<char> on_rim = marked_rims(mesh, rims);
+  const std::vector<Ear> ears = ears_of(mesh, rims, on_rim);
   std::map<std::array<Index, 2>, std::vector<const Ear*>> by_edge;
   for (const Ear& ear : ears) by_edge[{std::min(ear.a, ear.b), std::max(ear.a, ear.b)}].push_back(&ear);
   const Index n = mesh.vertices.rows();
@@ -71,6 +83,7 @@ std::vector<std::optional<Message>> told_of_extra_faces(const Mesh& mesh, std::s
     if (std::ranges::any_of(face, [&](Index v) { return v < 0 || v >= n; })) continue;
     for (std::size_t k = 0; k < face.size(); ++k) {
       const Index a = face[k], b = face[(k + 1) % face.size()];
+      if (!on_rim[a] || !on_rim[b]) continue;
       const auto found = by_edge.find({std::min(a, b), std::max(a, b)});
       if (found == by_edge.end()) continue;
       for (const Ear* ear : found->second) {

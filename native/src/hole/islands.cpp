@@ -2,11 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 #include <optional>
 
+#include "tripatch/math/box_tree.h"
 #include "tripatch/math/ties.h"
 
 namespace tripatch {
@@ -90,6 +92,31 @@ double distance_between(const HoleBorder& a, const HoleBorder& b) {
   return least;
 }
 
+/// Pairs of borders, the lower number first, of which one may be an island in the other: of parts those alone where the balls around both
+/// are nearer to each other than the larger is wide.
+std::vector<std::array<std::size_t, 2>> pairs_among(const std::vector<HoleBorder>& borders, bool parts) {
+  std::vector<std::array<std::size_t, 2>> pairs;
+  std::vector<BoxTree::Box> balls;
+  const auto ball = [](const HoleBorder& border, double reaches) {
+    const Vec3 reach = Vec3::Constant(reaches * border.reach);
+    return BoxTree::Box(border.middle - reach, border.middle + reach);
+  };
+  for (const HoleBorder& border : borders) balls.push_back(ball(border, 1));
+  const BoxTree tree(std::move(balls));
+  for (std::size_t a = 0; a < borders.size(); ++a) {
+    const auto take = [&](std::size_t b) {
+      if (a != b && (!parts || borders[b].reach <= borders[a].reach)) pairs.push_back({std::min(a, b), std::max(a, b)});
+    };
+    if (parts)
+      tree.each_meeting(ball(borders[a], 3), take);
+    else
+      for (std::size_t b = a + 1; b < borders.size(); ++b) take(b);
+  }
+  std::ranges::sort(pairs);
+  pairs.erase(std::ranges::unique(pairs).begin(), pairs.end());
+  return pairs;
+}
+
 /// The distance between a hole and a border that is an island in it.
 std::optional<double> island_at(const HoleBorder& hole, const HoleBorder& island, bool parts) {
   const bool one_part = share_part(hole, island);
@@ -121,16 +148,14 @@ std::vector<std::vector<std::size_t>> islands_of(const Mesh& mesh, const Connect
     std::size_t hole, island;
   };
   std::vector<Pair> pairs;
-  for (std::size_t a = 0; a < loops.size(); ++a)
-    for (std::size_t b = a + 1; b < loops.size(); ++b) {
-      const bool first_is_larger =
-          borders[a].reach > borders[b].reach || (borders[a].reach == borders[b].reach && loops[a] < loops[b]);
-      const std::size_t hole = first_is_larger ? a : b, island = first_is_larger ? b : a;
-      const std::optional<double> distance = island_at(borders[hole], borders[island], parts);
-      // those that touch at a vertex are holes side by side
-      if (distance && std::ranges::find_first_of(loops[a], loops[b]) == loops[a].end())
-        pairs.push_back({*distance, hole, island});
-    }
+  for (const auto& [a, b] : pairs_among(borders, parts)) {
+    const bool first_is_larger =
+        borders[a].reach > borders[b].reach || (borders[a].reach == borders[b].reach && loops[a] < loops[b]);
+    const std::size_t hole = first_is_larger ? a : b, island = first_is_larger ? b : a;
+    const std::optional<double> distance = island_at(borders[hole], borders[island], parts);
+    // those that touch at a vertex are holes side by side
+    if (distance && std::ranges::find_first_of(loops[a], loops[b]) == loops[a].end()) pairs.push_back({*distance, hole, island});
+  }
   std::ranges::stable_sort(pairs, {}, &Pair::distance);
   std::vector<char> is_island(loops.size(), 0);
   for (const Pair& each : pairs) {

@@ -10,8 +10,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "tripatch/math/box_tree.h"
 #include "tripatch/math/ties.h"
-#include "tripatch/mesh/border_loops.h"
 
 namespace tripatch {
 namespace {
@@ -45,69 +45,35 @@ double distance_to(const BorderSegment& segment, const Vec3& point) {
   return (segment.p + t * way - point).norm();
 }
 
-/// Segments in boxes, each halved across its longest side.
-class SegmentTree {
+/// Which segments are near a point.
+class NearSegments {
 public:
-  explicit SegmentTree(const std::vector<BorderSegment>& segments) : segments_(segments), order_(segments.size()) {
-    std::iota(order_.begin(), order_.end(), std::size_t{0});
-    if (!order_.empty()) build(0, order_.size());
-  }
+  explicit NearSegments(const std::vector<BorderSegment>& segments) : segments_(segments), tree_(boxes_of(segments)) {}
 
   /// Calls take(number of the segment) for each within `distance` of a point.
   template <class Take>
   void near(const Vec3& point, double distance, const Take& take) const {
-    std::vector<std::size_t> open;
-    if (!nodes_.empty()) open.push_back(0);
-    while (!open.empty()) {
-      const std::size_t at = open.back();
-      const Node& node = nodes_[at];
-      open.pop_back();
-      if (node.box.squaredExteriorDistance(point) > distance * distance) continue;
-      if (node.second > 0) {
-        open.push_back(at + 1);
-        open.push_back(node.second);
-        continue;
-      }
-      for (std::size_t k = node.first; k < node.end; ++k)
-        if (distance_to(segments_[order_[k]], point) <= distance) take(order_[k]);
-    }
+    const Vec3 reach = Vec3::Constant(distance);
+    tree_.each_meeting({point - reach, point + reach}, [&](std::size_t k) {
+      if (distance_to(segments_[k], point) <= distance) take(k);
+    });
   }
 
 private:
-  static constexpr std::size_t few = 4;
-  struct Node {
-    Eigen::AlignedBox3d box;
-    std::size_t first, end, second = 0;  // the nodes after this one, and that; 0: a leaf
-  };
-
-  std::size_t build(std::size_t first, std::size_t end) {
-    const std::size_t at = nodes_.size();
-    Eigen::AlignedBox3d box;
-    for (std::size_t k = first; k < end; ++k) box.extend(segments_[order_[k]].p).extend(segments_[order_[k]].q);
-    nodes_.push_back({box, first, end});
-    if (end - first <= few) return at;
-    Index axis = 0;
-    box.sizes().maxCoeff(&axis);
-    const std::size_t middle = (first + end) / 2;
-    const auto place = [&](std::size_t k) { return segments_[k].p[axis] + segments_[k].q[axis]; };
-    const auto begin = order_.begin();
-    std::nth_element(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(middle),
-                     begin + static_cast<std::ptrdiff_t>(end), [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
-    build(first, middle);
-    const std::size_t second = build(middle, end);
-    nodes_[at].second = second;
-    return at;
+  static std::vector<BoxTree::Box> boxes_of(const std::vector<BorderSegment>& segments) {
+    std::vector<BoxTree::Box> boxes;
+    for (const BorderSegment& each : segments) boxes.push_back(BoxTree::Box(each.p).extend(each.q));
+    return boxes;
   }
 
   const std::vector<BorderSegment>& segments_;
-  std::vector<std::size_t> order_;
-  std::vector<Node> nodes_;
+  BoxTree tree_;
 };
 
 constexpr std::size_t no_partner = static_cast<std::size_t>(-1);
 
 /// For each segment the one that lies on it and runs the other way, if that is one clearly.
-std::vector<std::size_t> partners(const std::vector<BorderSegment>& segments, const SegmentTree& tree, double distance) {
+std::vector<std::size_t> partners(const std::vector<BorderSegment>& segments, const NearSegments& tree, double distance) {
   std::vector<std::size_t> nearest(segments.size(), no_partner);
   for (std::size_t e = 0; e < segments.size(); ++e) {
     const BorderSegment& own = segments[e];
@@ -167,7 +133,7 @@ std::vector<double> ends_on(const BorderSegment& other, const BorderSegment& own
 }
 
 /// Where segments without partners lie along each other, of each pair both ways. A segment along which two lie at one place has none.
-std::vector<EdgeOverlap> overlaps(const std::vector<BorderSegment>& segments, const SegmentTree& tree,
+std::vector<EdgeOverlap> overlaps(const std::vector<BorderSegment>& segments, const NearSegments& tree,
                                   const std::vector<std::size_t>& partner, double distance) {
   const auto is_free = [&](std::size_t e) { return partner[e] == no_partner && segments[e].length() > 2 * distance; };
   std::vector<std::array<std::size_t, 2>> pairs;
@@ -268,10 +234,9 @@ double size_of(const Mesh& mesh) {
   return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
-JoinedBorders join_borders(const Mesh& mesh, double distance, bool junctions) {
-  const std::vector<std::vector<Index>> loops = border_loops(Connectivity(mesh));
+JoinedBorders join_borders(const Mesh& mesh, std::span<const std::vector<Index>> loops, double distance, bool junctions) {
   const std::vector<BorderSegment> segments = segments_of(mesh, loops);
-  const SegmentTree tree(segments);
+  const NearSegments tree(segments);
   const std::vector<std::size_t> partner = partners(segments, tree, distance);
   std::vector<EdgeOverlap> along;
   if (junctions) along = overlaps(segments, tree, partner, distance);
@@ -295,7 +260,7 @@ JoinedBorders join_borders(const Mesh& mesh, double distance, bool junctions) {
 std::vector<Contact> contacts(const Mesh& mesh, std::span<const std::vector<Index>> loops) {
   const double reach = near_place * size_of(mesh);
   const std::vector<BorderSegment> segments = segments_of(mesh, loops);
-  const SegmentTree tree(segments);
+  const NearSegments tree(segments);
   std::vector<Contact> found(loops.size());
   for (std::size_t e = 0; e < segments.size(); ++e) {
     const BorderSegment& own = segments[e];

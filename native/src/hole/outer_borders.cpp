@@ -65,13 +65,10 @@ bool is_of_sheet(const Mesh& mesh, const Connectivity& around, const std::vector
 
 }  // namespace
 
-std::vector<Border> borders_of(const Mesh& mesh, const Connectivity& around) {
+std::vector<Border> borders_of(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
   std::vector<Border> borders;
-  for (std::vector<Index>& loop : border_loops(around)) {
-    const bool outer = turns_less(outer_turn, mesh, around, loop);
-    const double size = diameter(mesh, loop);
-    borders.push_back({std::move(loop), outer, size});
-  }
+  for (const std::vector<Index>& loop : loops)
+    borders.push_back({loop, turns_less(outer_turn, mesh, around, loop), diameter(mesh, loop)});
   if (std::ranges::any_of(borders, &Border::outer)) {
     const std::vector<char> longest = longest_of_components(mesh, around, borders);
     for (std::size_t k = 0; k < borders.size(); ++k) borders[k].outer &= longest[k] != 0;
@@ -84,6 +81,10 @@ std::vector<Border> borders_of(const Mesh& mesh, const Connectivity& around) {
 void refuse_no_hole(const std::vector<Border>& borders) {
   if (borders.empty()) throw CodedRefusal(Code::no_border);
   throw CodedRefusal(Code::only_outer_borders, borders.back().loop);
+}
+
+std::vector<Border> borders_of(const Mesh& mesh, const Connectivity& around) {
+  return borders_of(mesh, around, border_loops(around));
 }
 
 std::vector<Border> borders_of(const Mesh& mesh) { return borders_of(mesh, Connectivity(mesh)); }

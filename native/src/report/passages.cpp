@@ -5,6 +5,7 @@
 #include <array>
 #include <numeric>
 
+#include "tripatch/math/box_tree.h"
 #include "tripatch/math/interruption.h"
 #include "tripatch/report/crossings.h"
 
@@ -41,65 +42,6 @@ std::optional<Vec3> place_through(const FlatTriangle& a, const FlatTriangle& b) 
   return {};
 }
 
-/// The fills' triangles in boxes, each halved across its longest side.
-class FillTree {
-public:
-  explicit FillTree(std::vector<FlatTriangle> triangles) : triangles_(std::move(triangles)) {
-    if (!triangles_.empty()) build(0, triangles_.size());
-  }
-
-  /// Calls take(triangle) for those whose boxes meet a box.
-  template <class Take>
-  void meeting(const Eigen::AlignedBox3d& box, const Take& take) {
-    open_.clear();
-    if (!nodes_.empty()) open_.push_back(0);
-    while (!open_.empty()) {
-      const std::size_t at = open_.back();
-      const Node& node = nodes_[at];
-      open_.pop_back();
-      if (!node.box.intersects(box)) continue;
-      if (node.second > 0) {
-        open_.push_back(at + 1);
-        open_.push_back(node.second);
-        continue;
-      }
-      for (std::size_t k = node.first; k < node.end; ++k)
-        if (triangles_[k].box.intersects(box)) take(triangles_[k]);
-    }
-  }
-
-private:
-  static constexpr std::size_t few = 4;
-  struct Node {
-    Eigen::AlignedBox3d box;
-    std::size_t first, end, second = 0;  // the nodes after this one, and that; 0: a leaf
-  };
-
-  std::size_t build(std::size_t first, std::size_t end) {
-    const std::size_t at = nodes_.size();
-    Eigen::AlignedBox3d box;
-    for (std::size_t k = first; k < end; ++k) box.extend(triangles_[k].box);
-    nodes_.push_back({box, first, end});
-    if (end - first <= few) return at;
-    Index axis = 0;
-    box.sizes().maxCoeff(&axis);
-    const auto begin = triangles_.begin();
-    const std::size_t middle = (first + end) / 2;
-    const auto place = [&](const FlatTriangle& t) { return t.box.min()[axis] + t.box.max()[axis]; };
-    std::nth_element(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(middle),
-                     begin + static_cast<std::ptrdiff_t>(end),
-                     [&](const FlatTriangle& a, const FlatTriangle& b) { return place(a) < place(b); });
-    build(first, middle);
-    const std::size_t second = build(middle, end);
-    nodes_[at].second = second;
-    return at;
-  }
-
-  std::vector<FlatTriangle> triangles_;
-  std::vector<Node> nodes_;
-  std::vector<std::size_t> open_;
-};
-
 std::vector<FlatTriangle> triangles_of(const PointsRef& vertices, std::span<const FillFaces> fills) {
   const Index n = vertices.rows();
   std::vector<FlatTriangle> triangles;
@@ -118,7 +60,10 @@ std::vector<FlatTriangle> triangles_of(const PointsRef& vertices, std::span<cons
 
 std::vector<std::optional<Vec3>> passages(const Mesh& mesh, std::span<const FillFaces> fills) {
   std::vector<std::optional<Vec3>> found(fills.size());
-  FillTree tree(triangles_of(mesh.vertices, fills));
+  const std::vector<FlatTriangle> triangles = triangles_of(mesh.vertices, fills);
+  std::vector<BoxTree::Box> boxes;
+  for (const FlatTriangle& each : triangles) boxes.push_back(each.box);
+  const BoxTree tree(std::move(boxes));
   std::vector<std::vector<Index>> rims;
   for (const FillFaces& fill : fills) {
     std::vector<Index>& rim = rims.emplace_back(fill.rim.begin(), fill.rim.end());
@@ -129,7 +74,8 @@ std::vector<std::optional<Vec3>> passages(const Mesh& mesh, std::span<const Fill
     const std::span<const Index> face = mesh.faces[f];
     Eigen::AlignedBox3d box;
     for (Index v : face) box.extend(Vec3(mesh.vertices.row(v)));
-    tree.meeting(box, [&](const FlatTriangle& of_fill) {
+    tree.each_meeting(box, [&](std::size_t k) {
+      const FlatTriangle& of_fill = triangles[k];
       const std::vector<Index>& rim = rims[of_fill.fill];
       if (found[of_fill.fill]) return;
       if (std::ranges::any_of(face, [&](Index v) { return std::binary_search(rim.begin(), rim.end(), v); })) return;

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import _native, borders, files
+from .. import borders, files
 from .._types import Array
 from ..errors import Refusal
 from ..filling import fill_all
@@ -98,7 +98,7 @@ def _left(holes: borders.Holes, loops: list[Any], settings: Settings) -> dict[in
     named = [name for name in choosing if name != "outer"]
     for name in named:
         asked = checked("choose_holes", {"outer": True, name: choosing[name]})
-        chosen = {int(loop[0]) for loop in _native._choose_holes(*holes.mesh, asked)}
+        chosen = {int(loop[0]) for loop in holes.connected.chosen(asked)}
         said = f"--{name.replace('_', '-')} {','.join(map(str, np.atleast_1d(choosing[name])))} leaves it out"
         for loop in loops:
             if int(loop[0]) not in chosen:

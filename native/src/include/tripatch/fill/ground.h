@@ -14,20 +14,22 @@ namespace tripatch {
 
 /// A mesh and who is next to whom in it, for one fill or for several.
 class Ground {
+  std::optional<Connectivity> own_, all_;  // before what refers to them
+
 public:
-  /// For one rim, or for all of the mesh where none is given.
-  Ground(const Mesh& mesh, const std::optional<std::vector<Index>>& rim, const FillOptions& options);
+  /// For one rim, or for all of the mesh where none is given. connected: of the whole mesh, if the caller has it.
+  Ground(const Mesh& mesh, const std::optional<std::vector<Index>>& rim, const FillOptions& options,
+         const Connectivity* connected = nullptr);
   /// With the faces that are replaced.
   const Connectivity& whole() const { return all_ ? *all_ : left; }
   /// Whether the neighborhood of one rim is all that is known.
   bool is_part() const { return is_part_; }
 
   const Mesh& mesh;
-  Connectivity left;    ///< without the faces that are replaced
-  VertexPlanes planes;  ///< that fills have at vertices of their rims, whatever the faces around tell
+  const Connectivity& left;  ///< without the faces that are replaced
+  VertexPlanes planes;       ///< that fills have at vertices of their rims, whatever the faces around tell
 
 private:
-  std::optional<Connectivity> all_;
   bool is_part_;
 };
 

@@ -32,8 +32,8 @@ struct JoinedBorders {
 };
 /// Joins pairs of border edges whose ends are within `distance`, and which run opposite ways, as the two faces of an edge do. Of several
 /// edges the nearest two are a pair; if that is no clear choice, none is. junctions: joins also edges that lie along each other with
-/// other ends (T-junctions): the faces get vertices within their edges.
-JoinedBorders join_borders(const Mesh& mesh, double distance, bool junctions);
+/// other ends (T-junctions): the faces get vertices within their edges. loops: all borders of the mesh.
+JoinedBorders join_borders(const Mesh& mesh, std::span<const std::vector<Index>> loops, double distance, bool junctions);
 
 /// How much of a border lies on borders, within near_place of the mesh's size and a hundredth of the edge's length.
 struct Contact {

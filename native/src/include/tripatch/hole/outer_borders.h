@@ -7,6 +7,8 @@
 
 namespace tripatch {
 
+struct HoleChoice;
+
 /// A border loop of a mesh, with what decides whether it is filled where all holes are.
 struct Border {
   std::vector<Index> loop;  ///< as of border_loops
@@ -17,7 +19,11 @@ struct Border {
 };
 /// All of them, in the order of border_loops, in one pass over the mesh.
 std::vector<Border> borders_of(const Mesh& mesh, const Connectivity& around);
+std::vector<Border> borders_of(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops);
 std::vector<Border> borders_of(const Mesh& mesh);
+/// Of all borders of a mesh those that are chosen, as of choose_holes.
+std::vector<std::vector<Index>> chosen_among(const std::vector<Border>& borders, const Mesh& mesh, const Connectivity& around,
+                                             const HoleChoice& choice);
 
 /// Refuses a mesh without holes; borders: all of the mesh.
 [[noreturn]] void refuse_no_hole(const std::vector<Border>& borders);
