@@ -127,15 +127,13 @@ void bind_report(py::module_& m) {
       .def_readonly("seam_angle_max_inside", &Report::seam_angle_max_inside,
                     "Cages: largest angle without the rim edges that touch a corner, in degrees.")
       .def_readonly("rows", &Report::rows, "Quads and cages: extra rows of quads round the poles that were taken.")
-      .def_readonly("cage_in_rows", &Report::cage_in_rows,
-                    "Cages: whether the rows of quads around the hole continue across it.")
+      .def_readonly("cage_in_rows", &Report::cage_in_rows, "Cages: whether the rows of quads around the hole continue across it.")
       .def_readonly("poles", &Report::poles, "Quads and cages: [vertex, valence] of each inner vertex with an irregular valence.")
       .def_property_readonly(
           "warnings", [](const Report& report) { return message_objects(report.warnings); },
           "What a person should know of the fill: sentences (`Message`) with a `code`.")
       .def_readonly("not_applied", &Report::not_applied,
-                    "Options that change nothing in this fill, each with a code: output, method, sides, three_sides, position, "
-                    "fairing, vertices.")
+                    "Options without effect, each with a code: output, method, sides, three_sides, position, fairing, vertices.")
       .def_readonly("seconds", &Report::seconds, "Time that the fill took.");
 }
 

@@ -416,7 +416,7 @@ def fill_all(
     if holes and (holes.refused or any(holes.islands)):
         results = _with_islands(mesh, holes, options, by_rim, progress)
     else:
-        results = _native._fill_all(*mesh, loops, given, by_rim, progress, holes and holes.connected)
+        results = _native._fill_all(*mesh, loops, given, by_rim, progress, holes.connected if holes else None)
     natives = [result for result in results if not isinstance(result, Refusal)]
     through = iter(passages(*mesh, natives, given["replaced"]) if _is_in_mesh(given) else [None] * len(natives))
     together: list[Any] = []
@@ -451,14 +451,16 @@ def _with_islands(mesh: Any, holes: Holes, options: dict[str, Any], by_rim: list
     given = checked("fill_all", options)
     rims, corners = [holes.rims[k] for k in plain], [by_rim[k] for k in plain] if by_rim else []
     results: dict[int, Any] = dict(holes.refused)
-    results.update(zip(plain, _native._fill_all(*mesh, rims, given, corners, progress, holes.connected), strict=True))
+    v, offsets, face_corners = mesh
+    filled = _native._fill_all(v, offsets, face_corners, rims, given, corners, progress, holes.connected)
+    results.update(zip(plain, filled, strict=True))
     own = {name: value for name, value in options.items() if "fill" in OPTIONS[name].functions}
     for k, islands in enumerate(holes.islands):
         if not islands or k in results:
             continue
         try:
             asked = checked("fill", {**own, "rim": holes.rims[k], "islands": islands})
-            results[k] = _native._fill(*mesh, not_at_default("fill", asked), progress)
+            results[k] = _native._fill(v, offsets, face_corners, not_at_default("fill", asked), progress)
         except Refusal as refusal:
             results[k] = refusal
     return [results[k] for k in range(len(holes.rims))]
