@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "tripatch/creases/features.h"
-#include "tripatch/creases/flat_walls.h"
 #include "tripatch/fill.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/mesh/border_loops.h"
@@ -220,7 +219,7 @@ TEST_CASE("a wall of which nothing is left may have a rim of hundreds of edges",
 TEST_CASE("walls that meet in a point by fours and more are a pyramid's", "[flat_walls]") {
   for (int n = 4; n <= 8; ++n) {
     const Solid open = pyramid(n, 2);
-    const std::optional<Arrangement> walls = open.features().arrangement;
+    const std::optional<FlatWalls> walls = open.features().walls;
     INFO("n " << n);
     REQUIRE(walls);
     CHECK(walls->nodes.size() == 1);
@@ -234,7 +233,7 @@ TEST_CASE("walls are not continued beyond a wall that has lost nothing", "[flat_
     for (const double height : {0.5, 2.0}) {
       const Solid open = without_walls(prism(n, height), n, 3);
       INFO(n << " walls, height " << height);
-      CHECK_FALSE(open.features().arrangement);
+      CHECK_FALSE(open.features().walls);
       CHECK(filled(open).feature_edges.empty());
     }
 }
@@ -274,7 +273,7 @@ TEST_CASE("walls that meet sharply are no folds but their own", "[flat_walls]") 
     const Fill fill = filled(open);
     const Measures made = closed(open.mesh(), fill), all = measures(whole.mesh());
     INFO("width " << width);
-    REQUIRE(open.features().arrangement);
+    REQUIRE(open.features().walls);
     CHECK(made.volume == Approx(all.volume).epsilon(1e-9));
     CHECK(made.area == Approx(all.area).epsilon(1e-9));
     CHECK(fill.report.triangles_folded <= fill.report.rim_folded);
@@ -303,10 +302,10 @@ TEST_CASE("a flat rim in a wall that ends at it is filled in that wall", "[flat_
 TEST_CASE("no crease shows at the rim of a lost face, and none is made", "[flat_walls]") {
   const Solid octahedron({{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
                          {{1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}});
-  CHECK_FALSE(octahedron.features().arrangement);
+  CHECK_FALSE(octahedron.features().walls);
   CHECK(closed(octahedron.mesh(), filled(octahedron)).volume == Approx(4.0 / 3).epsilon(1e-9));
   const Solid open = cube(3).without([](const Vec3& p) { return p[2] > 0.9; });  // a cap is as likely as any
-  CHECK_FALSE(open.features().arrangement);
+  CHECK_FALSE(open.features().walls);
 }
 
 TEST_CASE("a hole in the middle of a wall is flat whatever is around the wall", "[flat_walls]") {
@@ -315,7 +314,7 @@ TEST_CASE("a hole in the middle of a wall is flat whatever is around the wall", 
         cube(n).without([&](const Vec3& p) { return p[2] > 0.999 && p.head<2>().cwiseAbs().maxCoeff() < 1.01 / n; });
     INFO("n " << n);
     CHECK(closed(open.mesh(), filled(open)).volume == Approx(8).epsilon(1e-9));
-    CHECK(open.features().arrangement);
+    CHECK(open.features().walls);
   }
   std::vector<Vec3> points;
   std::vector<std::vector<Index>> faces;
@@ -327,8 +326,7 @@ TEST_CASE("a hole in the middle of a wall is flat whatever is around the wall", 
   const Solid sheet(points, faces);  // of a sheet any fill is
   const Mesh flat = sheet.mesh();
   const std::vector<Index> rim = {189, 190, 210, 209};
-  CHECK_FALSE(is_in_ending_wall(flat, Connectivity(flat), rim, diameter(flat, rim)));
-  CHECK_FALSE(may_have_features(flat, Connectivity(flat), rim));
+  CHECK_FALSE(flat_walls(flat, Connectivity(flat), rim, diameter(flat, rim), {}));
 }
 
 TEST_CASE("the tip of a ball of triangles is no lost wall", "[flat_walls]") {
@@ -365,14 +363,25 @@ TEST_CASE("the tip of a ball of triangles is no lost wall", "[flat_walls]") {
   CHECK(walls_end_at_flat_rim(open.mesh(), Connectivity(open.mesh()), open.rim(), open.across()));
 }
 
+TEST_CASE("vertices are in a plane within 1e-4 of the hole", "[flat_walls]") {
+  const Solid open = cube(5).without(at_corner);
+  for (const double off : {0.8, 1.25}) {
+    const Solid bent = open.moved([&](const Vec3& p) {
+      const bool beside = (p - Vec3(-0.2, 0.6, 1)).norm() < 1e-9;
+      return Vec3(beside ? p + Vec3(0, 0, off * 1e-4 * open.across()) : p);
+    });
+    CHECK(bent.features().walls.has_value() == (off < 1));
+  }
+}
+
 TEST_CASE("a wall of which nothing is left is told by a rim that turns by 20 degrees", "[flat_walls]") {
   for (const double degrees : {18.0, 22.0}) {
     const double a = degrees * std::numbers::pi / 180;
     // the wall x = 1 is gone, with what is next to it; of its two edges that are left one runs aslant
     const Solid open = cube(4).without([](const Vec3& p) { return p[0] > 0.9 || (p[0] > 0.1 && std::max(p[1], p[2]) > 0.9); });
-    REQUIRE(open.features().arrangement);
+    REQUIRE(open.features().walls);
     const Solid sheared = open.moved([&](const Vec3& p) { return Vec3(p[0], p[1] + p[2] / std::tan(a), p[2]); });
-    CHECK(sheared.features().arrangement.has_value() == (degrees > 20));
+    CHECK(sheared.features().walls.has_value() == (degrees > 20));
   }
 }
 
@@ -388,7 +397,8 @@ TEST_CASE("walls that meet more than a diameter away do not close a hole", "[fla
   for (const double share : {0.9, 1.1}) {
     while (farness() < share) height *= 1.01;
     const Solid open = pyramid(4, height);
-    CHECK(open.features().arrangement.has_value() == (share < 1));
+    const Mesh mesh = open.mesh();
+    CHECK(flat_walls(mesh, Connectivity(mesh), open.rim(), open.across(), {}).has_value() == (share < 1));
   }
 }
 
@@ -440,19 +450,33 @@ Solid jagged_prism(Index n) {
   return {points, faces};
 }
 
+std::optional<FlatWalls> walls_of(const Solid& open) {
+  const Mesh mesh = open.mesh();
+  return flat_walls(mesh, Connectivity(mesh), open.rim(), open.across(), {});
+}
+
 }  // namespace
 
 TEST_CASE("walls come back of which nothing is left where they are three, not four", "[flat_walls]") {
-  const std::optional<Arrangement> walls = lower_kites(3).features().arrangement;
+  const std::optional<FlatWalls> walls = walls_of(lower_kites(3));
   REQUIRE(walls);
-  CHECK(walls->parts.size() == 3);
+  CHECK(walls->first.size() == 3);
   CHECK((walls->nodes.at(0) - Vec3(0, 0, 0.45)).norm() < 1e-9);
-  CHECK_FALSE(lower_kites(4).features().arrangement);
+  CHECK_FALSE(walls_of(lower_kites(4)));
 }
 
 TEST_CASE("a wall of which nothing is left is sought among eight planes that the rim tells, not nine", "[flat_walls]") {
-  CHECK(jagged_prism(10).features().arrangement);  // the cap's, and one at each crease that the rim crosses: all but three
-  CHECK_FALSE(jagged_prism(11).features().arrangement);
+  CHECK(walls_of(jagged_prism(10)));  // the cap's, and one at each crease that the rim crosses: all but three
+  CHECK_FALSE(walls_of(jagged_prism(11)));
+}
+
+TEST_CASE("walls in more than sixteen planes are not looked at", "[flat_walls]") {
+  for (const int n : {16, 18}) {  // a cap and a wall are lost: n - 1 walls and the other cap are next to
+    const Solid whole = prism(n, 1, 0.6),
+                open = whole.without([&](const Vec3& p) { return p[2] > 0.9 || (p - whole.middle(2)).norm() < 1e-9; });
+    const Mesh mesh = open.mesh();
+    CHECK(flat_walls(mesh, Connectivity(mesh), open.rim(), open.across(), {}).has_value() == (n == 16));
+  }
 }
 
 namespace {
@@ -544,6 +568,6 @@ TEST_CASE("a flat rim is a hole in a wall whose end is in the sixth ring around 
   for (const int n : {11, 13}) {  // a quad in the middle of the top is gone: five or six rings of quads around it lie in it
     const Solid open =
         cube(n).without([&](const Vec3& p) { return p[2] > 0.999 && p.head<2>().cwiseAbs().maxCoeff() < 0.5 / n; });
-    CHECK(open.features().arrangement.has_value() == (n == 11));
+    CHECK(open.features().walls.has_value() == (n == 11));
   }
 }

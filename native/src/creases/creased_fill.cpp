@@ -5,6 +5,7 @@
 #include <deque>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <set>
 
 #include "tripatch/creases/crease_curve.h"
@@ -57,7 +58,7 @@ public:
       else
         meet(crease);
     }
-    if (features.arrangement) join(*features.arrangement);
+    if (features.walls) join(*features.walls);
   }
 
   const std::vector<VertexLoop>& loops() const { return loops_; }
@@ -87,8 +88,7 @@ private:
   }
 
   /// New points of a curve between two rows, spaced from the size at one end to that at the other. At least `least` edges.
-  template <class Curve>
-  VertexLoop points_along(Index from, Index to, const Curve& curve, double before, double after, Index least) {
+  VertexLoop points_along(Index from, Index to, const CreaseCurve& curve, double before, double after, Index least) {
     // edges of linearly growing length: their number is the integral of 1 / size
     const double ratio = after / before;
     const double edges = curve.length() / before * (std::abs(ratio - 1) < one_size ? 1 : std::log(ratio) / (ratio - 1));
@@ -168,32 +168,48 @@ private:
     }
   }
 
-  void join(const Arrangement& arrangement) {
+  /// New points of a straight crease between two rows.
+  VertexLoop straight(Index from, Index to, double before, double after, Index least) {
+    const Vec3 a = point(from), b = point(to);
+    Points start(2, 3), end(1, 3);
+    start << (2 * a - b).transpose(), a.transpose();
+    end << b.transpose();
+    return points_along(from, to, CreaseCurve(start, end, (before + after) / 2), before, after, least);
+  }
+
+  /// Walls that meet in a line across the hole, or in nodes.
+  void join(const FlatWalls& walls) {
+    const std::size_t n = walls.first.size();
+    if (n == 1) return;
     const Index r = static_cast<Index>(rim_.size());
-    double mean = 0, count = 0;
-    for (const Arrangement::Crease& crease : arrangement.creases)
-      for (const Index end : crease.ends)
-        if (end < r) mean += size(end), ++count;
-    mean = count > 0 ? mean / count : around_ / static_cast<double>(r);
+    std::vector<double> sizes;
+    for (Index place : walls.first) sizes.push_back(size(place));
+    const double mean = std::accumulate(sizes.begin(), sizes.end(), 0.0) / static_cast<double>(n);
     VertexLoop nodes;
-    for (std::size_t k = 0; k < arrangement.nodes.size(); ++k)
-      nodes.push_back(add(arrangement.nodes[k], arrangement.node_deviation[static_cast<Index>(k)]));
-    const auto vertex = [&](Index corner) { return corner < r ? rim_[corner] : nodes[corner - r]; };
-    std::vector<VertexLoop> creases;
-    for (const Arrangement::Crease& crease : arrangement.creases) {
-      const auto [from, to] = crease.ends;
-      const Index least = from < r && to < r && !(even_ > 0 && clearly_less(even_ * 3, around_)) ? 2 : 1;
-      creases.push_back(
-          points_along(vertex(from), vertex(to), crease, from < r ? size(from) : mean, to < r ? size(to) : mean, least));
+    for (const Vec3& node : walls.nodes) nodes.push_back(add(node, 0));
+    std::vector<VertexLoop> creases;  // from the beginning of each wall's piece
+    if (nodes.empty()) {
+      creases.push_back(straight(rim_[walls.first[0]], rim_[walls.first[1]], sizes[0], sizes[1], 2));
+      creases.emplace_back(creases[0].rbegin(), creases[0].rend());
     }
+    for (std::size_t i = 0; i < walls.node.size(); ++i)
+      creases.push_back(straight(rim_[walls.first[i]], nodes[walls.node[i]], sizes[i], mean, 1));
+    std::vector<VertexLoop> between;  // a node and the next
+    for (std::size_t k = 0; k + 1 < nodes.size(); ++k) between.push_back(straight(nodes[k], nodes[k + 1], mean, mean, 1));
     loops_.clear();
-    for (const Arrangement::Part& part : arrangement.parts) {
-      loops_.emplace_back();
-      for (const Arrangement::Step& step : part.loop) {
-        VertexLoop way = step.crease < 0 ? VertexLoop{vertex(step.corner), -1} : creases[step.crease];
-        if (step.reversed && step.crease >= 0) std::reverse(way.begin(), way.end());
-        loops_.back().insert(loops_.back().end(), way.begin(), way.end() - 1);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t next = (i + 1) % n;
+      VertexLoop part;
+      for (Index k = walls.first[i]; k % r != walls.first[next]; ++k) part.push_back(rim_[k % r]);
+      part.insert(part.end(), creases[next].begin(), creases[next].end() - 1);
+      const std::vector<Index> beside = walls.nodes_beside(i);
+      for (std::size_t k = 0; k + 1 < beside.size(); ++k) {
+        VertexLoop way = between[std::min(beside[k], beside[k + 1])];
+        if (beside[k] > beside[k + 1]) std::reverse(way.begin(), way.end());
+        part.insert(part.end(), way.begin(), way.end() - 1);
       }
+      if (!nodes.empty()) part.insert(part.end(), creases[i].rbegin(), creases[i].rend() - 1);
+      loops_.push_back(std::move(part));
     }
   }
 
@@ -209,11 +225,7 @@ private:
 /// For each part the faces on its side of the creases: from its piece of the rim on across edges that are not sharp.
 std::vector<std::vector<Index>> faces_of_parts(const Mesh& mesh, const Connectivity& around, const Features& features,
                                                const std::vector<VertexLoop>& loops) {
-  if (features.arrangement) {
-    std::vector<std::vector<Index>> faces;
-    for (const Arrangement::Part& part : features.arrangement->parts) faces.push_back(part.faces);
-    return faces;
-  }
+  if (features.walls) return features.walls->faces;
   std::set<EdgeKey> barred(features.barred.begin(), features.barred.end());
   for (const Crease& crease : features.creases)
     for (const CreaseEnd& end : crease.ends)
@@ -553,7 +565,7 @@ std::optional<PlaneFill> fill_across_creases(const Mesh& mesh, const Connectivit
     const Mesh own{part.vertices, part.faces};
     fills.push_back(fill_over_plane(own, Connectivity(own), {part.loop}, part.options));
     if (!fills.back().surface || fills.back().doubles_edges) return {};
-    if (features.arrangement) fills.back().plainer.reset();  // a wall of which nothing is left is as flat as its rim
+    if (features.walls) fills.back().plainer.reset();  // a wall of which nothing is left is as flat as its rim
     parts.push_back(part);
   }
   if (!meet_inside(options.through, division, parts, fills)) return {};

@@ -6,8 +6,6 @@
 #include <numbers>
 #include <optional>
 
-#include "tripatch/creases/edge_angles.h"
-#include "tripatch/creases/flat_walls.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/decompositions.h"
@@ -19,10 +17,18 @@
 namespace tripatch {
 namespace {
 
+using EdgePair = std::array<Index, 2>;
+
 // Half and twice of these numbers were tried on 68 holes across creases in irregular triangles: straight, curved and turned ridges of 28 to 90
 // degrees, edges of drums, corners of three planes, chamfers; without noise, with 2 and 6% of an edge. Two percentages tell by how much
 // fills are farther in the geometric mean: with half, with twice of it.
 constexpr double one_degree = std::numbers::pi / 180;
+/// And so many times what three quarters of the edges around stay below, and the half of those next to the crease: noise of a tenth of an
+/// edge, and coarse triangles of anything round, stay below that (-2%, 29%; share of 0.38: 3%).
+constexpr double above_noise = 3, ordinary_share = 0.75;
+/// Between smooth faces (smooth_angle) a crease that is sharp at the rim is followed to half of that: where two pipes meet it gets blunt
+/// by and by (0%, 3%).
+constexpr double still_crease = 0.5;
 /// Where a crease turns by more it ends (57%, -3%; with 63 degrees 7%).
 constexpr double sharpest_turn = 45 * one_degree;
 /// A crease of a single edge is believed where the edge is this share of the diameter, or longer: a choice, for none of the 68 is so.
@@ -31,6 +37,7 @@ constexpr double long_edge = 0.25;
 /// ordinary edges turn by more than the angle it must be longer, and corners at which it could end cannot be told from others. The two
 /// lengths: 0%, 35% and 0%, 30%; the angle: 40%, 0%.
 constexpr double least_blunt_length = 0.35, least_rough_length = 0.5;
+constexpr double smooth_angle = 5 * one_degree;
 /// Between the directions in which two ends continue and the line between them, at most. A circle's arc over a chord of 1.7 radii has 58.
 /// (51%, 2%.)
 constexpr double widest_view = 65 * one_degree;
@@ -49,6 +56,62 @@ constexpr double least_spread = 1e-2;
 /// do, nor the crease's direction by more than 25 degrees (0%, 0%; 14%, 0%; with 51 degrees 8%, not at all 34%).
 constexpr double in_face = 3 * one_degree, as_curved = 1.5, along_crease = 0.9;
 
+EdgePair edge_pair(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
+
+Vec3 unit_normal(const Mesh& mesh, Index face) { return area_vector(mesh, face).stableNormalized(); }
+
+/// The angles at the edges of the surroundings.
+class EdgeAngles {
+public:
+  EdgeAngles(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& vertices) {
+    std::vector<double> all;
+    Numbering faces(mesh.faces.size());
+    std::vector<Vec3> normals;  // of these
+    const auto normal = [&](Index f) {
+      if (faces.add(f)) normals.push_back(unit_normal(mesh, f));
+      return normals[static_cast<std::size_t>(faces.find(f))];
+    };
+    for (Index v : vertices)
+      for (Connectivity::Corner c : around.at(v)) {
+        const Index w = around.next(c);
+        const auto across = around.edge(w, v);
+        if (!across || (v > w && std::binary_search(vertices.begin(), vertices.end(), w))) continue;
+        const double angle = angle_between(normal(around.face(c)), normal(around.face(*across)));
+        edges_.push_back({edge_pair(v, w), angle});
+        all.push_back(angle);
+      }
+    std::sort(edges_.begin(), edges_.end());
+    if (all.empty()) return;
+    const auto ordinary = all.begin() + static_cast<std::ptrdiff_t>(ordinary_share * static_cast<double>(all.size() - 1));
+    std::nth_element(all.begin(), ordinary, all.end());
+    ordinary_ = *ordinary;
+    threshold_ = std::max(least_crease_angle, above_noise * ordinary_);
+  }
+
+  /// -1 where the edge has not two faces, or lies farther off.
+  double at(Index a, Index b) const {
+    const auto found = std::lower_bound(edges_.begin(), edges_.end(), std::pair(edge_pair(a, b), -1.0));
+    return found != edges_.end() && found->first == edge_pair(a, b) ? found->second : -1;
+  }
+  double ordinary() const { return ordinary_; }
+  bool sharp(Index a, Index b) const { return clearly_more(at(a, b), threshold_); }
+  bool still_sharp(Index a, Index b) const {
+    const double least =
+        ordinary_ < smooth_angle ? std::max(still_crease * least_crease_angle, above_noise * ordinary_) : threshold_;
+    return clearly_more(at(a, b), least);
+  }
+  std::vector<EdgePair> all_sharp() const {
+    std::vector<EdgePair> out;
+    for (const auto& [edge, angle] : edges_)
+      if (clearly_more(angle, threshold_)) out.push_back(edge);
+    return out;
+  }
+
+private:
+  std::vector<std::pair<EdgePair, double>> edges_;
+  double ordinary_ = 0, threshold_ = least_crease_angle;
+};
+
 /// Whether an edge at these vertices is one. At most holes none is, and a cosine tells.
 bool any_is_crease(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& vertices) {
   static const double surely_flat = std::cos(0.99 * least_crease_angle);
@@ -59,7 +122,7 @@ bool any_is_crease(const Mesh& mesh, const Connectivity& around, const std::vect
       const Index f = around.face(c), g = around.face(*across);
       const Vec3 a = area_vector(mesh, f), b = area_vector(mesh, g);
       if (a.dot(b) > surely_flat * std::sqrt(a.squaredNorm() * b.squaredNorm())) continue;
-      if (clearly_more(angle_between(face_normal(mesh, f), face_normal(mesh, g)), least_crease_angle)) return true;
+      if (clearly_more(angle_between(unit_normal(mesh, f), unit_normal(mesh, g)), least_crease_angle)) return true;
     }
   return false;
 }
@@ -81,11 +144,13 @@ public:
   }
 
   /// Pairs of ends that see each other, the best first, none across another; where three or more meet at a point, those that go
-  /// straight_on on before, others after.
-  std::vector<Crease> creases(std::vector<CreaseEnd> ends) const {
+  /// straight_on on before, others after, and these only where no walls meet.
+  std::vector<Crease> creases(std::vector<CreaseEnd> ends, bool any_wall) const {
     std::vector<Crease> out = pairs(ends, straight_on);
-    if (out.empty())
+    if (out.empty()) {
       if (std::optional<Crease> met = meet(ends)) return {std::move(*met)};
+      if (any_wall) return {};
+    }
     std::vector<Crease> others = pairs(ends, 2 * widest_view);
     return others.size() > out.size() ? others : out;
   }
@@ -127,7 +192,7 @@ private:
   bool runs_out(const std::vector<Index>& chain) const {
     const Index last = chain.back();
     if (!around_.knows(last)) return false;
-    const bool smooth_beside = angles_.ordinary() < EdgeAngles::smooth_angle;  // else what looks like a corner is chance
+    const bool smooth_beside = angles_.ordinary() < smooth_angle;  // else what looks like a corner is chance
     int others = 0;
     for (Index w : neighbors(last)) {
       if (angles_.at(last, w) < 0) return false;
@@ -148,12 +213,12 @@ private:
         if (const double angle = angles_.at(chain[k], w); !own && angle >= 0) beside.push_back(angle);
       }
     }
-    const double blunt = angles_.ordinary() < EdgeAngles::smooth_angle ? least_blunt_length : least_rough_length;
+    const double blunt = angles_.ordinary() < smooth_angle ? least_blunt_length : least_rough_length;
     if (clearly_less(length, (runs_out(chain) ? blunt : chain.size() < 3 ? long_edge : 0) * diameter_)) return false;
     if (beside.empty()) return true;
     const auto middle = beside.begin() + static_cast<std::ptrdiff_t>(beside.size() / 2);
     std::nth_element(beside.begin(), middle, beside.end());
-    return clearly_more(sum / static_cast<double>(chain.size() - 1), EdgeAngles::above_noise * *middle);
+    return clearly_more(sum / static_cast<double>(chain.size() - 1), above_noise * *middle);
   }
 
   std::optional<CreaseEnd> traced(Index place, Index w) const {
@@ -167,8 +232,8 @@ private:
       const Index to = end.chain[k], from = end.chain[k + 1];
       const auto left = around_.edge(from, to), right = around_.edge(to, from);
       if (!left || !right) return {};  // the faces are turned against each other
-      end.left += face_normal(mesh_, around_.face(*left)) / static_cast<double>(k + 1);
-      end.right += face_normal(mesh_, around_.face(*right)) / static_cast<double>(k + 1);
+      end.left += unit_normal(mesh_, around_.face(*left)) / static_cast<double>(k + 1);
+      end.right += unit_normal(mesh_, around_.face(*right)) / static_cast<double>(k + 1);
     }
     end.left = end.left.stableNormalized();
     end.right = end.right.stableNormalized();
@@ -184,8 +249,8 @@ private:
     const auto left = around_.edge(from, to), right = around_.edge(to, from);
     if (!left || !right) return 1;
     const Vec3 unit = way.stableNormalized();
-    return std::max(std::abs(unit.dot(face_normal(mesh_, around_.face(*left)))),
-                    std::abs(unit.dot(face_normal(mesh_, around_.face(*right)))));
+    return std::max(std::abs(unit.dot(unit_normal(mesh_, around_.face(*left)))),
+                    std::abs(unit.dot(unit_normal(mesh_, around_.face(*right)))));
   }
 
   /// The rim itself may continue along the crease for some edges: where they leave its faces no more than its own edges do.
@@ -294,31 +359,24 @@ private:
 bool may_have_features(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
   const double across = diameter(mesh, rim);
   if (!(across > 0) || !std::isfinite(across)) return false;
-  return any_is_crease(mesh, around, rim) || is_in_ending_wall(mesh, around, rim, across);
+  return any_is_crease(mesh, around, rim) || flat_walls(mesh, around, rim, across, {});
 }
 
 Features find_features(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
   Features features;
   if (!may_have_features(mesh, around, rim)) return features;
   const double across = diameter(mesh, rim);
+  const bool any_wall = flat_walls(mesh, around, rim, across, {}).has_value();
   const Disc disc = disc_around(mesh, around, {rim}, crease_reach * across, most_crease_rings);
   features.vertices = disc.vertices;
   std::sort(features.vertices.begin(), features.vertices.end());
   const EdgeAngles angles(mesh, around, features.vertices);
-  // where pieces are curved, the creases between them tell more of how these continue than the pieces do
-  const auto arranged = [&](const auto& is_sharp) -> std::optional<Arrangement> {
-    const PiecesFound found = smooth_pieces(mesh, around, rim, is_sharp, features.vertices, across);
-    if (!std::ranges::all_of(found.beside, [&](std::size_t piece) { return found.pieces[piece].is_plane(); })) return {};
-    return arrangement_of(mesh, around, rim, found, across);
-  };
-  features.arrangement = arranged([&](Index a, Index b) { return angles.sharp(a, b); });
-  if (!features.arrangement && angles.are_rough())  // or a solid of so few faces that half of its edges are creases
-    features.arrangement = arranged([&](Index a, Index b) { return clearly_more(angles.at(a, b), least_crease_angle); });
-  if (!features.arrangement) {
-    const CreaseFinder finder(mesh, around, rim, angles, across);
-    features.creases = finder.creases(finder.ends());
-  }
-  if (features.found()) features.barred = angles.all_sharp();
+  const CreaseFinder finder(mesh, around, rim, angles, across);
+  features.creases = finder.creases(finder.ends(), any_wall);
+  if (!features.creases.empty())
+    features.barred = angles.all_sharp();
+  else if (any_wall)
+    features.walls = flat_walls(mesh, around, rim, across, features.vertices);
   return features;
 }
 

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "tripatch/constructions/methods.h"
-#include "tripatch/creases/edge_angles.h"
 #include "tripatch/creases/features.h"
 #include "tripatch/creases/flat_walls.h"
 #include "tripatch/fill/any_rim_fill.h"
@@ -125,9 +124,9 @@ private:
     const Features near = find_features(ground_.mesh, ground_.left, loop_);
     const auto goes_on = [&](const Connectivity& around) { return find_features(ground_.mesh, around, loop_).found(); };
     if (near.found() && (!ground_.is_part() || goes_on(Connectivity(ground_.mesh, out_.options.replaced))))
-      return near.arrangement && near.arrangement->creases.empty()  ? "a flat wall continues over the hole"
-             : near.arrangement && !near.arrangement->nodes.empty() ? "smooth surfaces around the hole meet in it"
-                                                                    : "a crease of the surroundings continues across the hole";
+      return near.walls && near.walls->first.size() == 1 ? "a flat wall continues over the hole"
+             : near.walls                                ? "flat walls around the hole meet in it"
+                                                         : "a crease of the surroundings continues across the hole";
     const auto is_known = [&](Index v) { return ground_.left.knows(v); };
     // what is not there need not be sought again
     out_.options.features = near.found() || !std::all_of(near.vertices.begin(), near.vertices.end(), is_known);

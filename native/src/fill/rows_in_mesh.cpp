@@ -5,7 +5,6 @@
 #include <set>
 #include <utility>
 
-#include "tripatch/creases/edge_angles.h"
 #include "tripatch/creases/features.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
@@ -96,7 +95,7 @@ std::vector<std::array<Index, 2>> RowsInMesh::creases() const {
   const Features features = find_features(ground_.mesh, ground_.left, fill_.rim);
   const auto is_crease = [&](Index a, Index b) {
     const std::array<Index, 2> edge = {std::min(vertices_[a], vertices_[b]), std::max(vertices_[a], vertices_[b])};
-    return std::ranges::binary_search(features.barred, edge);
+    return features.walls || std::ranges::binary_search(features.barred, edge);
   };
   std::set<std::array<Index, 2>> found;
   for (auto [from, to] : ends) {

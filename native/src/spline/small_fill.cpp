@@ -7,7 +7,7 @@
 #include <string>
 
 #include "tripatch/constructions/methods.h"
-#include "tripatch/creases/edge_angles.h"
+#include "tripatch/creases/flat_walls.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/height_models.h"
 #include "tripatch/report/folded_triangles.h"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "tripatch/creases/arrangement.h"
+#include "tripatch/creases/flat_walls.h"
 #include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
@@ -31,13 +31,13 @@ struct Crease {
 };
 
 struct Features {
-  std::optional<Arrangement> arrangement;    ///< where smooth pieces around the hole meet in it
-  std::vector<Crease> creases;               ///< else: none crosses another
+  std::vector<Crease> creases;               ///< none crosses another
+  std::optional<FlatWalls> walls;            ///< where no creases go straight on or meet at a point
   std::vector<Index> vertices;               ///< of the surroundings that were looked at, sorted
   std::vector<std::array<Index, 2>> barred;  ///< their sharp edges, lower vertex first, sorted: surfaces end there
 
   /// Whether anything continues across the hole.
-  bool found() const { return arrangement || !creases.empty(); }
+  bool found() const { return !creases.empty() || walls; }
 };
 
 /// Whether a crease or a wall ends at the rim: at most holes none does, which the faces next to it say.
