@@ -47,7 +47,8 @@ def seam(hole: Hole, vertices, faces) -> np.ndarray:
     """Angles along the rim to the true tangent planes: of limit normals at its vertices if the truth is smooth, else of the new
     triangles at its edges to the facets of the truth that were there."""
     if hole.normals is not None:
-        return angle(limit_normals(vertices, faces, hole.rim), hole.normals[hole.rim])
+        met = hole.rim[np.isin(hole.rim, faces)]  # a fill may leave vertices of the rim out: `open_edges` counts that
+        return angle(limit_normals(vertices, faces, met), hole.normals[met])
     owner = halfedges(faces)
     edges = list(zip(hole.rim.tolist(), np.roll(hole.rim, -1).tolist()))
     here = [k for k, edge in enumerate(edges) if edge in owner]

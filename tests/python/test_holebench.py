@@ -48,6 +48,12 @@ def test_missing_triangle_leaves_open_edges():
     assert metrics.open_edges(frame(), FAN[:3]) == 3
 
 
+def test_seam_is_measured_where_a_fill_meets_the_rim():
+    hole = frame()
+    hole.normals = np.tile([0.0, 0, 1], (len(FRAME), 1))
+    assert metrics.seam(hole, pyramid(0.0), FAN[:2]) == pytest.approx([0, 0, 0], abs=1e-6)  # vertex 3 is left out
+
+
 def test_fold_is_counted_at_its_edge():
     vertices = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0.2, 0.9, 0.01)])
     assert metrics.folds(vertices, np.array([(0, 1, 2), (1, 0, 3)])) == 1
