@@ -11,7 +11,6 @@
 #include "tripatch/hole/islands.h"
 #include "tripatch/hole/near_duplicates.h"
 #include "tripatch/hole/rim_checks.h"
-#include "tripatch/hole/unjoined.h"
 #include "tripatch/report/passages.h"
 
 using namespace tripatch;
@@ -107,19 +106,6 @@ void bind_holes(py::module_& m) {
       loops = find_holes(faces);
     }
     return listed(loops);
-  });
-  m.def("_told_of_unjoined", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
-                                const std::vector<std::vector<Index>>& rims) {
-    const FacesRef faces = faces_from(offsets, corners);
-    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-    std::vector<std::optional<Message>> told;
-    {
-      py::gil_scoped_release release;
-      told = told_of_unjoined({points, faces}, rims);
-    }
-    py::list out;
-    for (const std::optional<Message>& each : told) out.append(each ? py::object(message_objects({*each})[0]) : py::none());
-    return out;
   });
   m.def("_find_corners", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                             const std::vector<Index>& rim, const std::vector<Index>& replaced, bool any_number) {
