@@ -200,8 +200,8 @@ hole, angles in degrees.
   by `--rival` are charged for their start too.
 - **Error estimates**: only TriPatch states a standard deviation for each new vertex. Right are shares of 0.68 and 0.95 within one
   and two deviations, and 1 for the rms of error over deviation; less than 1 is too cautious. If a mesh itself is off its truth
-  along the boundary, that is added. Errors within a hole go together, like about two independent numbers: right deviations too
-  put the rms of a single hole in range in 4 of 10 cases only. *In range* is a mesh of {ENOUGH} vertices or more with
+  along the boundary, that is added. Errors within a hole go together, perhaps like two independent numbers. Then right
+  deviations put the rms of a single hole in range in 4 of 10 cases only. *In range* is a mesh of {ENOUGH} vertices or more with
   0.58 to 0.80, 0.90 to 0.99 and 0.75 to 1.3.
 
 libigl does not fill holes: it places the vertices of TriPatch's triangles. OpenCASCADE is given smooth surfaces instead of

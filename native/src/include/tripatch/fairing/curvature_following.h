@@ -12,7 +12,7 @@
 namespace tripatch {
 
 /// A mesh's curvature is known to the standard deviation Side::curvature_error; what lies within three of these costs little. Five let
-/// the holes of docs/fairness.md at n = 8 end an eighth farther from the truth (docs/notes/fairing.md, the jump of curvature).
+/// the holes of docs/holebench.md at n = 8 end an eighth farther from the truth (docs/notes/fairing.md, the jump of curvature).
 constexpr double tolerated_deviations = 3;
 
 /// What may be added to a patch, at the points of its sides where curvature is compared.

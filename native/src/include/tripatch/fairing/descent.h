@@ -17,7 +17,7 @@ Eigen::VectorXd minimum(const EnergyProblem& problem, const Quadratic& energy);
 
 /// The parameterization is free in the geometric energies. A little of the third-derivative energy settles it: a step may gain on it a
 /// tenth (relative) of what it loses. With less than 0.05 the minimizer depends on rounding and on the quadrature; with 0.2 to 0.3 the
-/// distance to the truth grows by a third to two thirds (holes of docs/fairness.md).
+/// distance to the truth grows by a third to two thirds (holes of docs/holebench.md).
 constexpr double parameterization_counts = 0.1;
 
 /// Of a part of an energy, what its model may leave at least: the model is quadratic, the energy is not.
