@@ -97,7 +97,7 @@ void bind_passages(py::module_& m) {
 void bind_holes(py::module_& m) {
   bind_borders(m);
   bind_passages(m);
-  m.attr("surrounding_rings") = most_rings + 1;
+  m.attr("surrounding_rings") = max_rings + 1;
   m.def("_find_holes", [](const IndexArray& offsets, const IndexArray& corners) {
     const FacesRef faces = faces_from(offsets, corners);
     std::vector<std::vector<Index>> loops;
@@ -114,7 +114,7 @@ void bind_holes(py::module_& m) {
     py::gil_scoped_release release;
     std::vector<Index> found;
     if (any_number) {
-      const Connectivity around = Connectivity::around({points, faces}, rim, most_rings, replaced);
+      const Connectivity around = Connectivity::around({points, faces}, rim, max_rings, replaced);
       const std::vector<Index> loop = check_topology(around, rim);
       for (Index place : corners_of_fill({points, faces}, around, loop)) found.push_back(loop[place]);
     } else {

@@ -22,7 +22,7 @@ namespace {
 constexpr double same_derivative = 1e-5;
 /// Where they are compared, and at how many of these places they may differ: edges of CAD programs change their speed at once where
 /// faces next to them end, and a polynomial has no two derivatives there.
-constexpr int derivative_places = 64, most_kinks = 8;
+constexpr int derivative_places = 64, max_kinks = 8;
 
 /// A Python callable of t (k,) -> (k, 3) as a field of the side.
 PiecewisePolynomial sampled(const py::function& f, const char* name) {
@@ -56,7 +56,7 @@ Side side_from_functions(const py::function& c, const py::function& dc, const py
     off[k] = (mine - theirs).norm();
   }
   const auto differ = std::count_if(off.begin(), off.end(), [&](double d) { return d > same_derivative * scale; });
-  if (differ > most_kinks) throw InvalidArgument("dc is not the derivative of c");
+  if (differ > max_kinks) throw InvalidArgument("dc is not the derivative of c");
   return without_poles(std::move(side));
 }
 

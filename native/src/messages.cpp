@@ -19,7 +19,7 @@ constexpr int first_row = __COUNTER__ + 1;
 #define MESSAGE(code, ...) static_assert(static_cast<int>(Code::code) == __COUNTER__ - first_row);
 #include "tripatch/messages.def"
 
-constexpr std::size_t most_named = 8;  ///< vertices in a sentence: more are not read
+constexpr std::size_t max_named = 8;  ///< vertices in a sentence: more are not read
 /// From here on a measure has three digits instead of two, for 99.6 of two are 1e+02.
 constexpr double three_digits = 99.5;
 
@@ -34,9 +34,9 @@ std::string number(double value) {
 std::string listed(const std::vector<Index>& vertices) {
   std::string text;
   const std::size_t n = vertices.size();
-  for (std::size_t k = 0; k < std::min(n, most_named); ++k)
+  for (std::size_t k = 0; k < std::min(n, max_named); ++k)
     text += (k == 0 ? "" : k + 1 == n ? " and " : ", ") + std::to_string(vertices[k]);
-  return n > most_named ? text + " and more" : text;
+  return n > max_named ? text + " and more" : text;
 }
 
 /// Makes one sentence.

@@ -21,7 +21,7 @@ namespace {
 using Triangle = std::array<Index, 3>;
 
 /// Of a triangle's area over its longest edge squared, below which it has none: rounding of its corners alone makes up to 1e-15.
-constexpr double least_area = 1e-12;
+constexpr double min_area = 1e-12;
 
 std::vector<Triangle> checked_triangles(const Mesh& mesh) {
   std::vector<Triangle> triangles(mesh.faces.size());
@@ -38,7 +38,7 @@ std::vector<Triangle> checked_triangles(const Mesh& mesh) {
       if (!mesh.vertices.row(v).allFinite()) throw CodedRefusal(Code::position_not_finite, {v});
     const Vec3 a = mesh.vertices.row(face[0]), b = mesh.vertices.row(face[1]), c = mesh.vertices.row(face[2]);
     const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    if (!((b - a).cross(c - a).norm() > least_area * longest * longest))
+    if (!((b - a).cross(c - a).norm() > min_area * longest * longest))
       throw CodedRefusal(Code::face_without_area, {{"face", f}}, {face.begin(), face.end()});
   }
   return triangles;

@@ -12,7 +12,7 @@ using namespace tripatch;
 namespace {
 
 /// The largest number of faces at an edge, each counted with its direction.
-int most_at_edge(const Faces& mesh, const Faces& fill) {
+int max_at_edge(const Faces& mesh, const Faces& fill) {
   std::map<std::pair<Index, Index>, int> uses;
   int most = 0;
   for (const Faces* faces : {&mesh, &fill})
@@ -44,7 +44,7 @@ TEST_CASE("edges of one triangle are halved one after the other") {
   Triangles fill = {{0, 1, 2}, {2, 3, 4}, {4, 5, 0}, {0, 2, 4}};
   CHECK(halve_doubled_edges(Connectivity(mesh), rim, 6, fill).size() == 3);
   CHECK(fill.size() == 10);
-  CHECK(most_at_edge(mesh, faces_of(fill)) == 2);
+  CHECK(max_at_edge(mesh, faces_of(fill)) == 2);
 }
 
 TEST_CASE("a tetrahedron without two of its faces is filled to a manifold, whatever the corners and the method") {
@@ -58,7 +58,7 @@ TEST_CASE("a tetrahedron without two of its faces is filled to a manifold, whate
       options.rim = std::vector<Index>{0, 1, 2, 3};
       options.corners = std::vector<Index>{(apart + 1) % 4, (apart + 2) % 4, (apart + 3) % 4};
       INFO(method << ", no corner at " << apart);
-      CHECK(most_at_edge(faces, fill({vertices, faces}, options).faces) == 2);
+      CHECK(max_at_edge(faces, fill({vertices, faces}, options).faces) == 2);
     }
 }
 

@@ -109,7 +109,7 @@ TEST_CASE("polygon cover: quads in a round rim that nobody counts cover 1.25 squ
   CHECK(cover_of(edges, *cap(0), none).rows == 0);
   CHECK(cover_of(edges, *cap(0.99 * lower), none).rows == 0);
   CHECK(cover_of(edges, *cap(1.01 * higher), none).rows == 1);
-  CHECK(cover_of(edges, *cap(4 * higher), none).rows == most_extra_rows);  // no more than these, and no warning
+  CHECK(cover_of(edges, *cap(4 * higher), none).rows == max_extra_rows);  // no more than these, and no warning
   CHECK(cover_of(edges, *cap(4 * higher), none).warnings.empty());
   CHECK(cover_of(edges, *cap(4 * higher), plain).rows == 0);
 }

@@ -83,7 +83,7 @@ TEST_CASE("the fewest rows of quads are taken that keep the tolerance", "[quad_c
   const Bump patch(height);
   const Rim rim({4, 4, 4}, patch);
   std::vector<double> reached;
-  for (int rows = 0; rows <= most_extra_rows; ++rows) reached.push_back(deviation(rim.cover(patch, {.rows = rows}), height));
+  for (int rows = 0; rows <= max_extra_rows; ++rows) reached.push_back(deviation(rim.cover(patch, {.rows = rows}), height));
   for (std::size_t k = 1; k < reached.size(); ++k) {
     INFO("rows " << k);
     REQUIRE(reached[k] < reached[k - 1]);
@@ -95,14 +95,14 @@ TEST_CASE("the fewest rows of quads are taken that keep the tolerance", "[quad_c
   const Cover beyond = rim.cover(patch, {.tolerance = reached.back() * 0.999});
   REQUIRE(beyond.warnings.size() == 1);
   CHECK(beyond.warnings[0].code == Code::tolerance_out_of_reach);
-  CHECK(beyond.faces.size() == rim.cover(patch, {.rows = most_extra_rows}).faces.size());
+  CHECK(beyond.faces.size() == rim.cover(patch, {.rows = max_extra_rows}).faces.size());
 }
 
 TEST_CASE("where no rows would come within a thousandth and nobody asked for it, none are added", "[quad_cover]") {
   const Bump patch(0.9);
   const Rim rim({4, 4, 4}, patch);
   const Cover cover = rim.cover(patch, {});
-  REQUIRE(deviation(rim.cover(patch, {.rows = most_extra_rows}), 0.9) > 2e-3);
+  REQUIRE(deviation(rim.cover(patch, {.rows = max_extra_rows}), 0.9) > 2e-3);
   CHECK(cover.rows == 0);
   CHECK(cover.warnings.empty());
   CHECK(cover.faces.size() == rim.cover(patch, {.rows = 0}).faces.size());

@@ -268,7 +268,7 @@ TEST_CASE("szilvasi_nagy: lambda is sought from a thousandth to a thousandth bel
   private:
     std::array<double, 3> at_;
   };
-  const auto found = [](const std::array<double, 3>& at) { return least_energy(Wanted(at), {0.5, 0.5, 0.5}).back().shape; };
+  const auto found = [](const std::array<double, 3>& at) { return min_energy(Wanted(at), {0.5, 0.5, 0.5}).back().shape; };
   const auto outside = found({0.99e-3, 1 - 0.99e-3, -0.1}), inside = found({1.01e-3, 1 - 1.01e-3, 0.25});
   CHECK(outside[0] == Approx(1e-3).epsilon(1e-9));
   CHECK(1 - outside[1] == Approx(1e-3).epsilon(1e-9));
@@ -299,7 +299,7 @@ TEST_CASE(
   private:
     double slope_;
   };
-  const auto found = [](double slope) { return least_energy(Slope(slope), {0.5, 0.5, 0.5}).back().shape[0]; };
+  const auto found = [](double slope) { return min_energy(Slope(slope), {0.5, 0.5, 0.5}).back().shape[0]; };
   CHECK(found(0.9e-10) == 0.5);
   CHECK(found(1.1e-10) == Approx(1 / (1 + std::exp(0.05))).epsilon(1e-6));
 }

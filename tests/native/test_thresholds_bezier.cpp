@@ -28,7 +28,7 @@ BoundaryCurves sides_of(const Points& net) {
 }
 
 /// The least pivot over the largest of the permanence system of degree 4.
-double least_pivot(double alpha) {
+double min_pivot(double alpha) {
   const Eigen::MatrixXd system = columns(mask_equations(4, CoonsKind::permanence, alpha), 4, true);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(system);
   return qr.matrixR().diagonal().cwiseAbs().minCoeff() / qr.maxPivot();
@@ -60,10 +60,10 @@ TEST_CASE("a singular system is solved where it leaves a ten-billionth of the bo
 }
 
 TEST_CASE("a system is singular whose least pivot is a hundred-billionth of the largest", "[thresholds]") {
-  const double root = -2.0 / 3, slope = least_pivot(root + 1e-5) / 1e-5;
+  const double root = -2.0 / 3, slope = min_pivot(root + 1e-5) / 1e-5;
   for (const double share : {0.97e-11, 1.03e-11}) {
     const double alpha = root + share / slope;
-    REQUIRE(least_pivot(alpha) == Approx(share).epsilon(0.02));
+    REQUIRE(min_pivot(alpha) == Approx(share).epsilon(0.02));
     Points net(BezierTriangle::net_size(4), 3);
     net.setRandom();
     if (share < 1e-11) {

@@ -56,7 +56,7 @@ struct Normal {
     matrix.diagonal() += fit.prior;
   }
   /// The least of what elimination leaves of a diagonal element.
-  double least_pivot() const {
+  double min_pivot() const {
     Eigen::MatrixXd a = matrix;
     double least = 1;
     for (Index i = 0; i < a.rows(); ++i) {
@@ -83,7 +83,7 @@ TEST_CASE("normal equations are taken where elimination leaves a ten-thousandth 
   REQUIRE_FALSE(taken(high));
   while (high > 1.001 * low) (taken(std::sqrt(low * high)) ? low : high) = std::sqrt(low * high);
   taken(low);
-  CHECK(Normal(s, components, fit_plane(s, components, room)).least_pivot() == Approx(1e-4).epsilon(0.02));
+  CHECK(Normal(s, components, fit_plane(s, components, room)).min_pivot() == Approx(1e-4).epsilon(0.02));
 }
 
 TEST_CASE("a fit that is refined is that of an orthogonal triangularization to its last digits") {

@@ -21,7 +21,7 @@ namespace {
 /// Degrees that ribs turn in one ring of faces at most, or a fillet would be a chamfer.
 constexpr double turn_of_ring = 45;
 /// Rings of faces, at most: a bound against boundaries far apart whose edges are short.
-constexpr int most_rings_of_faces = 400;
+constexpr int max_rings_of_faces = 400;
 
 /// A closed boundary with t of its vertices, in its order.
 struct ReadBoundary {
@@ -47,7 +47,7 @@ ReadBoundary read_boundary(const Mesh& mesh, const Connectivity& around, const s
 /// Rings of faces as wide as the edges along them are long.
 int square_rings(const AnnulusPatch& made, double edge) {
   const double by_length = std::round(made.rib_length / edge), by_turn = std::ceil(made.rib_turn / turn_of_ring - 1e-6);
-  return static_cast<int>(std::clamp(std::max(by_length, by_turn), 1.0, static_cast<double>(most_rings_of_faces)));
+  return static_cast<int>(std::clamp(std::max(by_length, by_turn), 1.0, static_cast<double>(max_rings_of_faces)));
 }
 
 int rings_of(const AnnulusPatch& made, double edge, bool uneven, const FillOptions& options) {
@@ -55,7 +55,7 @@ int rings_of(const AnnulusPatch& made, double edge, bool uneven, const FillOptio
   const bool quads = options.output == Output::quads;
   if (quads) rings = std::max(rings, uneven ? 2 : 1) + options.resolution.value_or(0);
   if (!quads && options.resolution) rings = *options.resolution;
-  return std::min(rings, most_rings_of_faces);
+  return std::min(rings, max_rings_of_faces);
 }
 
 /// Triangles of faces that begin at their shorter diagonals.

@@ -18,7 +18,7 @@ constexpr int rib_numbers = 18;          ///< six vectors
 constexpr double rib_tolerance = 1e-11;  ///< of their largest: seams are within a millionth of a degree then
 constexpr int annulus_samples = 200;     ///< places at which seams and ribs are measured: a choice
 /// Chords at 120 degrees to both ends, beyond which ribs would grow without bound.
-constexpr double least_chord_cosine = -0.5;
+constexpr double min_chord_cosine = -0.5;
 /// Sines of angles between chords and ends that count as none, where their ratio is taken.
 constexpr double no_bend = 0.1;
 
@@ -57,7 +57,7 @@ void RibMaker::at(double u, double* out) const {
   const double length = chord.norm();
   const Vec3 from = is_tangent(options.continuity[0]) ? Vec3(-out_of_first(u)) : e,
              to = is_tangent(options.continuity[1]) ? out_of_second(t) : e;
-  const double cosine = std::max((from.dot(e) + to.dot(e)) / 2, least_chord_cosine);
+  const double cosine = std::max((from.dot(e) + to.dot(e)) / 2, min_chord_cosine);
   const double bend0 = std::hypot(e.cross(from).norm(), no_bend), bend1 = std::hypot(e.cross(to).norm(), no_bend);
   const double over = length_over_chord(cosine), share = 2 / (bend0 + bend1);
   const Vec3 slope0 = options.bulge[0] * length * over * share * bend1 * from,

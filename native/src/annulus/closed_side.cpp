@@ -21,17 +21,17 @@ namespace {
 /// Vertices beyond the first that a spline round a rim continues to: what its ends do has died away to rounding then.
 constexpr Index wrapped = 28;
 /// Three corners are put in so many ways that every vertex is far from them in one, and in the same way each.
-constexpr Index most_placements = 24;
+constexpr Index max_placements = 24;
 
 /// Waves round the rim that are taken for what they are, the rest is a spline: a share of the number of vertices, and so many at most.
 /// A spline alone is no circle through twelve vertices, by 4e-4 of the diameter.
 constexpr Index vertices_a_wave = 4;
-constexpr Index most_fitted_waves = 8;
+constexpr Index max_fitted_waves = 8;
 
 /// A field round the rim through values at its vertices; t: of these.
 PiecewisePolynomial closed_spline(const std::vector<double>& t, std::vector<Vec3> values) {
   const Index n = static_cast<Index>(values.size());
-  const int order = static_cast<int>(std::min(n / vertices_a_wave, most_fitted_waves));
+  const int order = static_cast<int>(std::min(n / vertices_a_wave, max_fitted_waves));
   Eigen::MatrixXd waves(n, 2 * order + 1), given(n, 3);
   for (Index k = 0; k < n; ++k) {
     given.row(k) = values[k];
@@ -71,7 +71,7 @@ AcrossRim seen_in_sides(const Mesh& mesh, const Connectivity& around, const std:
                         ClosedSide& out) {
   const Index n = static_cast<Index>(rim.size());
   std::vector<SideForm> seen(n);
-  const Index ways = std::min(n, most_placements), third = n / 3;
+  const Index ways = std::min(n, max_placements), third = n / 3;
   for (Index p = 0; p < ways; ++p) {
     // the vertices from `first` on in the middle of the side from corner 0 to 1
     const Index first = p * n / ways, last = (p + 1) * n / ways, before = (third - (last - first)) / 2;
@@ -122,7 +122,7 @@ constexpr int robust_rounds = 10;
 }  // namespace
 
 void mend_planes(ClosedSide& closed) {
-  const Index n = static_cast<Index>(closed.t.size()) - 1, order = std::min(n / vertices_a_plane_wave, most_fitted_waves);
+  const Index n = static_cast<Index>(closed.t.size()) - 1, order = std::min(n / vertices_a_plane_wave, max_fitted_waves);
   if (order < 1) return;
   Eigen::MatrixXd waves(n, 2 * order + 1), normals(n, 3);
   for (Index k = 0; k < n; ++k) {

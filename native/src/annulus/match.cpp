@@ -16,8 +16,8 @@ constexpr int match_samples = 96;  ///< ribs that are compared: a choice
 constexpr double uneven_counts = 1e-3, length_counts = 1e-3;
 constexpr double match_step = 1e-4;  ///< of a turn, for differences
 /// The second parameter runs at least so fast against the first.
-constexpr double least_speed = 0.05;
-constexpr int most_match_steps = 20;
+constexpr double min_speed = 0.05;
+constexpr int max_match_steps = 20;
 
 struct RibEnd {
   Vec3 point, way;
@@ -65,7 +65,7 @@ public:
     double sum = 0;
     for (int k = 0; k < match_samples; ++k) {
       const double uneven = (shift[(k + 1) % match_samples] - shift[k]) * match_samples;
-      if (uneven > 1 - least_speed) return INFINITY;
+      if (uneven > 1 - min_speed) return INFINITY;
       sum += lean(k, shift[k]).squaredNorm() + uneven_counts * uneven * uneven;
     }
     return sum;
@@ -127,7 +127,7 @@ PiecewisePolynomial match_boundaries(const Side& first, const Side& second, cons
   matching.scale_by(squares);
   Eigen::VectorXd shift = Eigen::VectorXd::Constant(match_samples, static_cast<double>(begin) / match_samples);
   double value = matching.value(shift), damping = 1e-3;
-  for (int k = 0; k < most_match_steps; ++k) {
+  for (int k = 0; k < max_match_steps; ++k) {
     const Eigen::VectorXd change = matching.step(shift, damping);
     const double next = change.allFinite() ? matching.value(shift + change) : INFINITY;
     if (next < value) {

@@ -13,7 +13,7 @@ constexpr int motion_samples = 64;  ///< places along a side: a choice
 /// How much a motion out of the planes counts against one that leans along the side: leaning is what it is there to tell.
 constexpr double out_of_plane_counts = 30;
 /// A motion tells nothing where its direction leans from a right angle to the side by more than this cosine says, 70 degrees.
-constexpr double least_upright = 0.35;
+constexpr double min_upright = 0.35;
 
 Motion motion_of(const Side& side) {
   Motion motion;
@@ -45,7 +45,7 @@ RibDirections::RibDirections(const Side& side) : side_(side), motion_(motion_of(
   const auto tells = [&] {
     for (int k = 0; k < motion_samples; ++k) {
       const double t = static_cast<double>(k) / motion_samples;
-      if (!((*this)(t).dot(upright_across(side_, t)) > least_upright)) return false;
+      if (!((*this)(t).dot(upright_across(side_, t)) > min_upright)) return false;
     }
     return true;
   };

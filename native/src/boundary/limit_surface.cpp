@@ -196,8 +196,8 @@ struct LimitSurface::Impl {
       factory = std::make_unique<bfr::RefinerSurfaceFactory<>>(*cage.refiner, options);
       return;
     }
-    if (*settings.quality < least_quality || *settings.quality > most_quality)
-      throw InvalidArgument("quality must be from " + std::to_string(least_quality) + " to " + std::to_string(most_quality) +
+    if (*settings.quality < min_quality || *settings.quality > max_quality)
+      throw InvalidArgument("quality must be from " + std::to_string(min_quality) + " to " + std::to_string(max_quality) +
                             ", or none, not " + std::to_string(*settings.quality));
     far::PatchTableFactory::Options options(static_cast<unsigned>(*settings.quality));
     options.SetEndCapType(far::PatchTableFactory::Options::ENDCAP_GREGORY_BASIS);

@@ -211,7 +211,7 @@ MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& h
 }
 
 MeshSides mesh_sides(const Mesh& mesh, const Hole& hole, const std::vector<Index>& replaced) {
-  return mesh_sides(mesh, Connectivity::around(mesh, hole.rim, most_rings, replaced), hole);
+  return mesh_sides(mesh, Connectivity::around(mesh, hole.rim, max_rings, replaced), hole);
 }
 
 }  // namespace tripatch

@@ -26,7 +26,7 @@ PiecewisePolynomial field(const Series<Degree>& a) {
 constexpr double small_angle = 1e-4;
 /// In the middle of an edge the derivative across is at most so many times what the mean of the end normals makes it: reached where these
 /// are 120 degrees apart. A choice, for between opposite normals there is no bound.
-constexpr double most_bulge = 4;
+constexpr double max_bulge = 4;
 
 /// theta / sin(theta) for the angle between a chord and a tangent: the arc of a circle over its chord.
 double arc_over_chord(double sine) {
@@ -39,7 +39,7 @@ Side make_side(const Series<Degree>& c, const Vec3& mean, const Vec3& difference
   // r = c' x m for the mixed normal m = mean + u difference: then r x c' is m less its part along c', up to |c'|^2. Its length is
   // free; divided by |m|^2 (1 at the ends; here the parabola through the middle) it is right for spheres to a higher order: rms on
   // icospheres falls to a third, and on saddles, waves, tori and cylinders it does not rise.
-  const double bulge = std::min(1 / mean.squaredNorm(), most_bulge) - 1;
+  const double bulge = std::min(1 / mean.squaredNorm(), max_bulge) - 1;
   Series<Degree + 2> r;
   r.fill(Vec3::Zero());
   for (int k = 1; k <= Degree; ++k) {

@@ -42,7 +42,7 @@ constexpr double no_tangent = 1e-12;
 constexpr double no_slope = 1e-10;
 /// Of what an equilateral patch has: alpha is never zero or backwards, so that G1 keeps its sign. A choice, far below what sides that
 /// meet at any angle above a tenth of a degree ask for.
-constexpr double least_alpha = 1e-3;
+constexpr double min_alpha = 1e-3;
 /// Sine of the angle between the derivatives along and across a side: below it they are one line to within the rounding of sides
 /// fitted to 1e-13, squared and more.
 constexpr double one_line = 1e-9;
@@ -102,7 +102,7 @@ CornerSlope corner_slope(const Vec3& r, const Vec3& dc, const Vec3& tau, double 
   }
   const double whole = height / rn;  // what an equilateral patch of this size has
   const double kept = share > 0 ? smooth_max(x[0], share * whole) : x[0];
-  const double alpha = std::max(kept, least_alpha * whole);
+  const double alpha = std::max(kept, min_alpha * whole);
   return {alpha, x[1], (alpha - x[0]) * r};
 }
 

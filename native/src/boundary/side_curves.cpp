@@ -14,7 +14,7 @@ namespace {
 /// it at a right angle.
 constexpr double graph_from = 0.1;
 /// Of a cross derivative: the least part that leads across the rim, which is a slant of 73 degrees.
-constexpr double least_across = 0.3;
+constexpr double min_across = 0.3;
 /// A bend up to this over the square of the spacing, for vertices that deviate by 1, is noise.
 constexpr double bent_by_noise = 15;
 /// That bend is replaced by this much less once: nearly its opposite, with which a curve through noisy vertices oscillates
@@ -101,7 +101,7 @@ std::vector<Vec3> cross_derivatives(const std::vector<double>& t, const std::vec
     }
     const Vec3 across = dc[k].cross(n[k]).normalized(), along = dc[k].normalized();
     // where the rim hardly turns at the corners: no more than a slant of about 73 degrees
-    const double out = wanted.dot(across), least = least_across * wanted.norm();
+    const double out = wanted.dot(across), least = min_across * wanted.norm();
     r.push_back(across + wanted.dot(along) / (0.5 * (out + std::sqrt(out * out + 4 * least * least))) * along);
   }
   return r;

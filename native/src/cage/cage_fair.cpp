@@ -26,7 +26,7 @@ constexpr int attempts = 6;  ///< at a step, each more damped: the last a hundre
 /// Rounds in which the weights of the logarithms, one over their values where the step leads, settle; 6e-4 with two, 4e-4 with six.
 constexpr int weight_rounds = 3;
 /// Of an energy's value, that its model may promise: it is quadratic, the energy is not; 0 with 1e-4, 1e-2.
-constexpr double least_share = 1e-3;
+constexpr double min_share = 1e-3;
 
 double power_derivative(double t, int power, int order) {
   double r = 1;
@@ -189,7 +189,7 @@ Points fair_cage(CageSystem& system, const Points& start, std::vector<FairHole>&
         system.add(sum, 1, pins);
         for (std::size_t h = 0; h < count; ++h) {
           if (holes[h].inside.empty()) continue;
-          system.add(sum, 1 / (std::max(model[h](next), least_share * value.variation[h]) + nothing), model[h]);
+          system.add(sum, 1 / (std::max(model[h](next), min_share * value.variation[h]) + nothing), model[h]);
           system.add(sum, options.parameters / (std::max(third[h](next), 0.0) + nothing), third[h]);
         }
         next = y + system.step(sum, y, damping);

@@ -21,7 +21,7 @@ constexpr double sides_tolerance = 1e-7;
 /// was to be made fair is bent more than before. There the surroundings may move so many times as far, so many times at most. Of 23 cages
 /// between bevels of one to ten segments three ask for it, once; with two or eight times as far their limit is the same to 1e-3.
 constexpr double widening = 4;
-constexpr int most_widenings = 3;
+constexpr int max_widenings = 3;
 
 /// Stencils need patches, and the fit their limit.
 Subdivision with_stencils(Subdivision settings) {
@@ -163,7 +163,7 @@ std::vector<CageEnergies> CageFit::make_fair() {
     bool bent = false;
     for (std::size_t h = 0; h < holes_.size(); ++h)
       if (fair[h].after > fair[h].before) wider[h] *= widening, bent = true;
-    if (!bent || attempt == most_widenings) break;
+    if (!bent || attempt == max_widenings) break;
   }
   take();
   std::vector<CageEnergies> energies;

@@ -95,7 +95,7 @@ std::vector<int> rows_to_try(const LayoutOptions& options, bool loop, bool exact
   if (loop) return {0};
   if (!options.rows) {
     std::vector<int> all;
-    for (int rows = 0; rows <= most_extra_rows; ++rows) all.push_back(rows);
+    for (int rows = 0; rows <= max_extra_rows; ++rows) all.push_back(rows);
     return all;
   }
   if (exact || *options.rows == 0) return {*options.rows};

@@ -116,7 +116,7 @@ std::vector<Index> corners_by_valence(const Mesh& mesh, const Connectivity& left
       if (mesh.faces[left.face(c)].size() != 4) return {};
     if (faces.size() > 2) places.push_back(static_cast<Index>(k));
   }
-  const bool few = places.size() < 3 || places.size() > static_cast<std::size_t>(most_sides);
+  const bool few = places.size() < 3 || places.size() > static_cast<std::size_t>(max_sides);
   return few ? std::vector<Index>() : places;
 }
 

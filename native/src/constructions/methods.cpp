@@ -157,7 +157,7 @@ const std::vector<Method> all = {
      slopes,
      {},
      {},
-     {2, most_sides},
+     {2, max_sides},
      {"islands"}},
     {spline_method,
      "Spline of the surrounding surface for any boundary, with an error estimate",

@@ -84,9 +84,9 @@ SzilvasiNagy::Step step_of(const Vector3& x, double energy) {
 
 /// Newton's direction at x, where the stacked terms are f; zero where x is a minimum. Where the energy pushes against a bound, x is held.
 Vector3 newton_direction(const ShapeEnergy& energy, const Vector3& x, const Eigen::VectorXd& f) {
-  constexpr double flat = 1e-10;            // a gradient so small, relative to the energy, is zero
-  constexpr double least_curvature = 1e-8;  // of the largest
-  constexpr double longest = 2;             // in x, where the model is still near
+  constexpr double flat = 1e-10;          // a gradient so small, relative to the energy, is zero
+  constexpr double min_curvature = 1e-8;  // of the largest
+  constexpr double longest = 2;           // in x, where the model is still near
   Vector3 gradient;
   Eigen::Matrix3d hessian;
   std::array<Eigen::VectorXd, 3> slope;
@@ -107,7 +107,7 @@ Vector3 newton_direction(const ShapeEnergy& energy, const Vector3& x, const Eige
   }
   if (gradient.norm() <= flat * f.squaredNorm()) return Vector3::Zero();
   const PrincipalAxes axes = principal_axes(hessian);
-  const Vector3 curvature = axes.values.cwiseAbs().cwiseMax(least_curvature * axes.values.cwiseAbs().maxCoeff());
+  const Vector3 curvature = axes.values.cwiseAbs().cwiseMax(min_curvature * axes.values.cwiseAbs().maxCoeff());
   const Eigen::Matrix3d scaled = axes.vectors * curvature.cwiseInverse().asDiagonal(),
                         inverse = scaled * axes.vectors.transpose();
   Vector3 direction = -(inverse * gradient);
@@ -146,7 +146,7 @@ std::vector<SzilvasiNagy::Step> descend(const ShapeEnergy& energy, Vector3 x, do
 
 }  // namespace
 
-std::vector<SzilvasiNagy::Step> least_energy(const ShapeEnergy& energy, const std::array<double, 3>& given) {
+std::vector<SzilvasiNagy::Step> min_energy(const ShapeEnergy& energy, const std::array<double, 3>& given) {
   const Scan scan(energy);
   std::vector<SzilvasiNagy::Step> best;
   for (const Vector3& start : scan.starts()) {

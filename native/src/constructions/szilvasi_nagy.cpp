@@ -218,8 +218,8 @@ SzilvasiNagy::SzilvasiNagy(const std::array<SurfacePtr, 3>& surfaces, const Szil
 }
 
 void SzilvasiNagy::optimize(int quadrature) {
-  path_ = continuity_ == 0 ? least_energy(FormulaEnergy<0>(surfaces_, as_printed_, quadrature), shape_)
-                           : least_energy(FormulaEnergy<1>(surfaces_, as_printed_, quadrature), shape_);
+  path_ = continuity_ == 0 ? min_energy(FormulaEnergy<0>(surfaces_, as_printed_, quadrature), shape_)
+                           : min_energy(FormulaEnergy<1>(surfaces_, as_printed_, quadrature), shape_);
   shape_ = path_.back().shape;
 }
 

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 constexpr int lowest_curve_order = 2, highest_curve_order = 5;
 /// Over the mean eigenvalue of the curve_kernel, in decades: from rounding to a straight line. On 68 holes across creases (features.cpp) half
 /// and twice of the ends change the mean distance by 0.3% at most, half of the step by 0.1%; twice of it leaves them 5% nearer, by a few.
-constexpr double least_curve_nugget = -13, most_curve_nugget = 3, curve_nugget_step = 0.5;
+constexpr double min_curve_nugget = -13, max_curve_nugget = 3, curve_nugget_step = 0.5;
 /// Of a unit, an edge: so much rounding may have moved each sample, a million sizes from the origin too. Of a straight crease nothing else
 /// is left across it, and neither order nor nugget is to be chosen by that.
 constexpr double rounding_of_samples = 1e-8;
@@ -96,7 +96,7 @@ void CreaseCurve::choose(double unit) {
     const Eigen::Matrix<double, Eigen::Dynamic, 3> seen = contrasts.polynomials.rest.transpose() * (samples_ / unit);
     const MatrixXd z = contrasts.eigen.vectors.transpose() * seen;
     const double scale = std::max(values.mean(), 1e-300), count = static_cast<double>(values.size());
-    for (double decade = least_curve_nugget; decade <= most_curve_nugget; decade += curve_nugget_step) {
+    for (double decade = min_curve_nugget; decade <= max_curve_nugget; decade += curve_nugget_step) {
       const double nugget = std::pow(10.0, decade) * scale;
       const Eigen::ArrayXd pivots = values.array() + nugget;
       if (!(pivots.minCoeff() > 0)) continue;

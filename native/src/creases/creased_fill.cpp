@@ -26,7 +26,7 @@ using EdgeKey = std::array<Index, 2>;
 
 /// Vertices of a crease that its curve is fitted to, on either side: farther ones tell nothing of the hole. Of 68 holes across
 /// creases (features.cpp) none has more than 17; with twelve their fills are as near in the mean.
-constexpr Index most_of_chain = 24;
+constexpr Index max_of_chain = 24;
 /// New edges along a crease for each of the rim's, where no resolution asks for more: the crease is no longer than half of the rim, and
 /// where the edges at its ends are much shorter than the others the parts next to it had 60,000 triangles, of a rim of 65 edges.
 constexpr Index crease_edges_a_rim_edge = 1;
@@ -36,7 +36,7 @@ constexpr Index crease_edges_a_rim_edge = 1;
 /// distance from 1e-9 on.
 constexpr double grazing = 1e-4;
 /// Of the rim's length: an edge at a crease's end counts as that long, so that the number of new points stays a number.
-constexpr double least_size = 1e-6;
+constexpr double min_size = 1e-6;
 /// Sizes at a crease's two ends that differ by this share are one: the number of edges between them has its limit there.
 constexpr double one_size = 1e-6;
 /// A point nearer to a crease than this share of its edges is meant to lie on it.
@@ -77,11 +77,11 @@ private:
   /// How long edges are at a place of the rim.
   double size(Index place) const {
     const Index r = static_cast<Index>(rim_.size());
-    return even_ > 0 ? even_ : std::max((edge(place) + edge(place + r - 1)) / 2, least_size * around_);
+    return even_ > 0 ? even_ : std::max((edge(place) + edge(place + r - 1)) / 2, min_size * around_);
   }
 
   Points chain(const CreaseEnd& end, bool towards) const {
-    const Index n = std::min(static_cast<Index>(end.chain.size()), most_of_chain);
+    const Index n = std::min(static_cast<Index>(end.chain.size()), max_of_chain);
     Points p(n, 3);
     for (Index k = 0; k < n; ++k) p.row(towards ? n - 1 - k : k) = mesh_.vertices.row(end.chain[k]);
     return p;

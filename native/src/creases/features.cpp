@@ -36,7 +36,7 @@ constexpr double long_edge = 0.25;
 /// One that gets blunt is believed to continue across the hole where it is this long; those of animals' faces and limbs seldom are. Where
 /// ordinary edges turn by more than the angle it must be longer, and corners at which it could end cannot be told from others. The two
 /// lengths: 0%, 35% and 0%, 30%; the angle: 40%, 0%.
-constexpr double least_blunt_length = 0.35, least_rough_length = 0.5;
+constexpr double min_blunt_length = 0.35, min_rough_length = 0.5;
 constexpr double smooth_angle = 5 * one_degree;
 /// Between the directions in which two ends continue and the line between them, at most. A circle's arc over a chord of 1.7 radii has 58.
 /// (51%, 2%.)
@@ -51,7 +51,7 @@ constexpr double same_angle = 3;
 constexpr double meeting_share = 0.15;
 /// Of the determinant of the sum of the projections along them, 0 for one direction: less, and lines are nearly parallel. Three lines
 /// within 1.1 degrees of one direction have that (0%, 0%).
-constexpr double least_spread = 1e-2;
+constexpr double min_spread = 1e-2;
 /// A rim edge continues along a crease where it leaves neither face by more than this, or than this times what the crease's own edges
 /// do, nor the crease's direction by more than 25 degrees (0%, 0%; 14%, 0%; with 51 degrees 8%, not at all 34%).
 constexpr double in_face = 3 * one_degree, as_curved = 1.5, along_crease = 0.9;
@@ -85,7 +85,7 @@ public:
     const auto ordinary = all.begin() + static_cast<std::ptrdiff_t>(ordinary_share * static_cast<double>(all.size() - 1));
     std::nth_element(all.begin(), ordinary, all.end());
     ordinary_ = *ordinary;
-    threshold_ = std::max(least_crease_angle, above_noise * ordinary_);
+    threshold_ = std::max(min_crease_angle, above_noise * ordinary_);
   }
 
   /// -1 where the edge has not two faces, or lies farther off.
@@ -97,7 +97,7 @@ public:
   bool sharp(Index a, Index b) const { return clearly_more(at(a, b), threshold_); }
   bool still_sharp(Index a, Index b) const {
     const double least =
-        ordinary_ < smooth_angle ? std::max(still_crease * least_crease_angle, above_noise * ordinary_) : threshold_;
+        ordinary_ < smooth_angle ? std::max(still_crease * min_crease_angle, above_noise * ordinary_) : threshold_;
     return clearly_more(at(a, b), least);
   }
   std::vector<EdgePair> all_sharp() const {
@@ -109,12 +109,12 @@ public:
 
 private:
   std::vector<std::pair<EdgePair, double>> edges_;
-  double ordinary_ = 0, threshold_ = least_crease_angle;
+  double ordinary_ = 0, threshold_ = min_crease_angle;
 };
 
 /// Whether an edge at these vertices is one. At most holes none is, and a cosine tells.
 bool any_is_crease(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& vertices) {
-  static const double surely_flat = std::cos(0.99 * least_crease_angle);
+  static const double surely_flat = std::cos(0.99 * min_crease_angle);
   for (Index v : vertices)
     for (Connectivity::Corner c : around.at(v)) {
       const auto across = around.edge(around.next(c), v);
@@ -122,7 +122,7 @@ bool any_is_crease(const Mesh& mesh, const Connectivity& around, const std::vect
       const Index f = around.face(c), g = around.face(*across);
       const Vec3 a = area_vector(mesh, f), b = area_vector(mesh, g);
       if (a.dot(b) > surely_flat * std::sqrt(a.squaredNorm() * b.squaredNorm())) continue;
-      if (clearly_more(angle_between(unit_normal(mesh, f), unit_normal(mesh, g)), least_crease_angle)) return true;
+      if (clearly_more(angle_between(unit_normal(mesh, f), unit_normal(mesh, g)), min_crease_angle)) return true;
     }
   return false;
 }
@@ -213,7 +213,7 @@ private:
         if (const double angle = angles_.at(chain[k], w); !own && angle >= 0) beside.push_back(angle);
       }
     }
-    const double blunt = angles_.ordinary() < smooth_angle ? least_blunt_length : least_rough_length;
+    const double blunt = angles_.ordinary() < smooth_angle ? min_blunt_length : min_rough_length;
     if (clearly_less(length, (runs_out(chain) ? blunt : chain.size() < 3 ? long_edge : 0) * diameter_)) return false;
     if (beside.empty()) return true;
     const auto middle = beside.begin() + static_cast<std::ptrdiff_t>(beside.size() / 2);
@@ -335,7 +335,7 @@ private:
       sum += across;
       right += across * point(end.chain[0]);
     }
-    if (!clearly_more(sum.determinant(), least_spread)) return {};
+    if (!clearly_more(sum.determinant(), min_spread)) return {};
     const Vec3 node = sum.ldlt().solve(right);
     for (const CreaseEnd& end : ends) {
       const Vec3 to = node - point(end.chain[0]);
@@ -367,7 +367,7 @@ Features find_features(const Mesh& mesh, const Connectivity& around, const std::
   if (!may_have_features(mesh, around, rim)) return features;
   const double across = diameter(mesh, rim);
   const bool any_wall = flat_walls(mesh, around, rim, across, {}).has_value();
-  const Disc disc = disc_around(mesh, around, {rim}, crease_reach * across, most_crease_rings);
+  const Disc disc = disc_around(mesh, around, {rim}, crease_reach * across, max_crease_rings);
   features.vertices = disc.vertices;
   std::sort(features.vertices.begin(), features.vertices.end());
   const EdgeAngles angles(mesh, around, features.vertices);

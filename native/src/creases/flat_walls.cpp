@@ -18,9 +18,9 @@ namespace {
 /// Of the hole's diameter: vertices of one plane are no farther from it.
 constexpr double in_plane = 1e-4;
 /// Between edges of the rim that tell the plane of a wall that has no face left, at least.
-constexpr double least_turn = 20 * std::numbers::pi / 180;
+constexpr double min_turn = 20 * std::numbers::pi / 180;
 /// Between a flat rim and walls that end there, at least: the corner of a box with chamfers of one face (35 degrees) is a rounded one's.
-constexpr double least_end_angle = 40 * std::numbers::pi / 180;
+constexpr double min_end_angle = 40 * std::numbers::pi / 180;
 /// The same where it is enough that half of the rim's edges have it.
 constexpr double clear_end_angle = 60 * std::numbers::pi / 180;
 /// The same where walls lean far under the rim, less than 30 degrees from what lies in it: whatever continues from them leaves the hole, so that
@@ -32,11 +32,11 @@ constexpr double in_one_wall = 1 * std::numbers::pi / 180;
 constexpr double farthest_node = 1;
 /// Radians over half of the hole's diameter: walls that bend by less away from the rim are straight. The end of a spring whose wire is a fifth as
 /// thick as its coil bends by 0.17 there, a ball cut in half by 1.
-constexpr double least_bend = 0.1;
-/// Planes next to a rim, as a prism has them whose walls meet at least_crease_angle; and planes that may be those of walls without faces.
-constexpr std::size_t most_planes = 16, most_unseen = 8;
+constexpr double min_bend = 0.1;
+/// Planes next to a rim, as a prism has them whose walls meet at min_crease_angle; and planes that may be those of walls without faces.
+constexpr std::size_t max_planes = 16, max_unseen = 8;
 /// Walls of a hole of which no face is left: what one vertex of a solid takes with it.
-constexpr std::size_t most_lost = 3;
+constexpr std::size_t max_lost = 3;
 
 /// Around a rim in a plane: where all of that is flat, any fill is.
 constexpr int flat_rings = 6;
@@ -65,7 +65,7 @@ public:
     std::optional<Meeting> best = meeting();
     if (best) return best->walls;
     const std::vector<Plane> unseen = unseen_planes();
-    for (std::size_t lost = 1; lost <= std::min(most_lost, unseen.size()); ++lost) {
+    for (std::size_t lost = 1; lost <= std::min(max_lost, unseen.size()); ++lost) {
       std::vector<char> taken(unseen.size(), 0);
       std::fill(taken.begin(), taken.begin() + lost, 1);
       std::optional<Meeting> with_lost;
@@ -90,14 +90,14 @@ public:
       normal.push_back(area_vector(mesh_, around_.face(*corner)));
       if (normal.back().isZero(0)) return false;
       const double angle = angle_between(normal.back(), flat.normal);
-      if (angle < least_crease_angle) return false;
-      least += angle > least_end_angle;
+      if (angle < min_crease_angle) return false;
+      least += angle > min_end_angle;
       clear += angle > clear_end_angle;
       under += angle > under_rim;
       upright += angle > clear_end_angle && angle < std::numbers::pi / 2 + in_one_wall;
     }
     if (least < n_ && 2 * clear < n_) return false;
-    const double apart = under == n_ ? in_one_wall : least_crease_angle;
+    const double apart = under == n_ ? in_one_wall : min_crease_angle;
     bool several = false, creased = true;
     for (Index k = 0; k < n_; ++k) {
       const Vec3 &here = normal[k], &before = normal[(k + n_ - 1) % n_];
@@ -131,7 +131,7 @@ private:
           if (!beyond) continue;
           const Index g = around_.face(*beyond);
           const double turn = angle_between(area_vector(mesh_, f), area_vector(mesh_, g));
-          if (turn < least_crease_angle && turn * across_ / 2 > least_bend * (middle(f) - middle(g)).norm()) return false;
+          if (turn < min_crease_angle && turn * across_ / 2 > min_bend * (middle(f) - middle(g)).norm()) return false;
         }
       }
     return true;
@@ -175,7 +175,7 @@ private:
       beside_.push_back(static_cast<std::size_t>(known - planes_.begin()));
       if (known != planes_.end()) continue;
       planes_.push_back({area_vector(mesh_, face).stableNormalized(), at(k)});
-      if (planes_.size() > most_planes || !lies_in(face, planes_.back())) return false;
+      if (planes_.size() > max_planes || !lies_in(face, planes_.back())) return false;
     }
     seen_ = planes_.size();
     return seen_ > 1;
@@ -186,12 +186,12 @@ private:
     std::vector<Plane> found;
     for (Index k = 0; k < n_; ++k) {
       const Vec3 before = at(k) - at(k + n_ - 1), after = at(k + 1) - at(k), across = before.cross(after);
-      if (!(across.norm() > std::sin(least_turn) * before.norm() * after.norm())) continue;
+      if (!(across.norm() > std::sin(min_turn) * before.norm() * after.norm())) continue;
       const auto holds = [&](const Plane& plane) {
         return contains(plane, at(k + n_ - 1)) && contains(plane, at(k)) && contains(plane, at(k + 1));
       };
       if (std::any_of(planes_.begin(), planes_.end(), holds) || std::any_of(found.begin(), found.end(), holds)) continue;
-      if (found.size() == most_unseen) return {};
+      if (found.size() == max_unseen) return {};
       found.push_back({across.stableNormalized(), at(k)});
     }
     return found;
@@ -216,7 +216,7 @@ private:
       if (!corner) return {};
       const Index face = around_.face(*corner);
       const bool same = lies_in(face, flat);
-      if (!same && angle_between(area_vector(mesh_, face), flat.normal) < least_crease_angle) return {};
+      if (!same && angle_between(area_vector(mesh_, face), flat.normal) < min_crease_angle) return {};
       goes_on += same;
     }
     if (goes_on == 0 || (goes_on == n_ && is_in(flat, flat_rings))) return {};
@@ -310,16 +310,15 @@ private:
   bool ends_at_rim(std::size_t wall) const {
     double turned = 0;
     for (Index k = first_[wall] + 1; k < end_of(wall); ++k) turned += turn(wall, k).value_or(0);
-    if (turned < -least_turn) return true;
-    const bool corners = turn(wall, first_[wall]).value_or(0) < -least_turn && turn(wall, end_of(wall)).value_or(0) < -least_turn;
-    return corners && turned < least_turn;
+    if (turned < -min_turn) return true;
+    const bool corners = turn(wall, first_[wall]).value_or(0) < -min_turn && turn(wall, end_of(wall)).value_or(0) < -min_turn;
+    return corners && turned < min_turn;
   }
 
   /// Whether the crease between two walls that meet at a place of the rim can be seen there.
   bool is_shown(Index place, std::size_t before, std::size_t here) const {
     const double turn = angle_between(planes_[here].normal, planes_[before].normal);
-    if (turn < least_crease_angle || (std::max(here, before) >= seen_ && turn > std::numbers::pi - least_crease_angle))
-      return false;
+    if (turn < min_crease_angle || (std::max(here, before) >= seen_ && turn > std::numbers::pi - min_crease_angle)) return false;
     const std::size_t beside = beside_[place], last = beside_[(place + n_ - 1) % n_];
     if (beside == last && beside != here && beside != before) return true;  // a third wall, which has both edges
     // where the border of one leaves the other, no face of which is left

@@ -29,7 +29,7 @@ constexpr double off_by_uneven = 0.4;
 constexpr double flat_arc = 1e-3;
 /// Shares of a side's turn at its last inner vertex by which the plane behind its end may lean against its last face; half in a fillet
 /// whose facets are even.
-constexpr double least_lean = 0.25, greatest_lean = 0.75;
+constexpr double min_lean = 0.25, greatest_lean = 0.75;
 /// Of that turn: an edge between a side and the plane, clearly; up to it there may be none.
 constexpr double clear_edge = 2;
 
@@ -130,10 +130,10 @@ struct EndOfSide {
   bool from_within = false;     // the face before it leans more
   bool seen_stretched = false;  // in an ArcFrame: the side bends towards the plane all along
   /// Whether it is the plane there, as where a fillet ends.
-  bool is_smooth() const { return from_within && (seen_stretched || least_lean * turn < lean) && lean < greatest_lean * turn; }
+  bool is_smooth() const { return from_within && (seen_stretched || min_lean * turn < lean) && lean < greatest_lean * turn; }
   /// Whether it may be or not, one as likely as the other: of strips. Where rows of faces follow each other fits know better.
   bool is_doubtful(const LocalMesh& w, const SideDraft& side) const {
-    return seen_stretched && !is_smooth() && lean < clear_edge * turn && is_strip(w, side, least_lean * turn);
+    return seen_stretched && !is_smooth() && lean < clear_edge * turn && is_strip(w, side, min_lean * turn);
   }
   /// How far the plane may be off, by what it leans otherwise than by half of a turn.
   double off() const { return off_by_uneven * (lean - turn / 2); }

@@ -54,8 +54,8 @@ void measure_rim(const Mesh& mesh, const std::vector<Index>& rim, LocalMesh& w) 
 
 /// The faces within the rings and one more, for those at the vertices of the last.
 void take_out(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, LocalMesh& w) {
-  const Rings rings = rings_around(around, rim, most_rings + 1);
-  for (int ring = 0; ring <= most_rings; ++ring)
+  const Rings rings = rings_around(around, rim, max_rings + 1);
+  for (int ring = 0; ring <= max_rings; ++ring)
     for (Index v : rings.vertices[ring])
       if (!mesh.vertices.row(v).allFinite()) throw CodedRefusal(Code::vertex_not_finite, {v});
   w.part = submesh(mesh.faces, mesh.vertices.rows(), rings.all_faces(), rim);
@@ -130,7 +130,7 @@ Reached reach(const LocalMesh& w) {
   Reached reached{{}, std::vector<char>(w.part.face.size(), 0), std::vector<char>(w.position.size(), 0)};
   std::vector<int> front = w.rim, next;
   for (int v : front) reached.vertex[v] = 1;
-  for (int ring = 0; ring < most_rings; ++ring, front = std::move(next)) {
+  for (int ring = 0; ring < max_rings; ++ring, front = std::move(next)) {
     next.clear();
     for (int v : front)
       for (int f : w.part.faces_at(v)) {

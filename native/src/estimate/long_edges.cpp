@@ -18,7 +18,7 @@ namespace {
 constexpr double times_as_long = 3;
 constexpr std::size_t share_of_shorter = 4;
 /// Points on an edge, at most: the rest of a longer one is none of the hole's neighborhood.
-constexpr int most_on_edge = 8;
+constexpr int max_on_edge = 8;
 /// The sine of the angle between two triangles of one flat face, at most: what single precision leaves of triangles 100 times as long as wide.
 constexpr double flat = 1e-4;
 /// Two such triangles come of a face that was cut where both are so many times as long as wide: the flat bottom of a scanned figure is cut at
@@ -174,7 +174,7 @@ std::vector<OnEdge> points_on_long_edges(const Points& points, const Faces& face
     if (!clearly_more(lengths[k], longest) || !is_on_surface(lines, starts[k], starts[k + 1], flatness)) continue;
     const auto [a, b] = lines[starts[k]].ends;
     if (edges.turns_beyond(a, b) && edges.turns_beyond(b, a)) continue;
-    const int pieces = static_cast<int>(std::ceil(std::min(lengths[k] / longest * (1 - tie), most_on_edge + 1.0)));
+    const int pieces = static_cast<int>(std::ceil(std::min(lengths[k] / longest * (1 - tie), max_on_edge + 1.0)));
     for (int j = 1; j < pieces; ++j) found.push_back({lines[starts[k]].ends, static_cast<double>(j) / pieces});
   }
   return found;

@@ -23,7 +23,7 @@ constexpr double meridian_within = 1e-4;
 /// precision curvature is 2 to 60 times as far off by the first alone, up to 4 times by the first two; without noise they tell the same.
 constexpr std::array<double, 3> apart_by = {0.1, 0.4, 1};
 /// Vertices of the meridian besides the rim: of profiles that are no conic six leave a seventh of what four do.
-constexpr int most_on_meridian = 6;
+constexpr int max_on_meridian = 6;
 
 /// Axis and circle of a rim.
 struct RimCircle {
@@ -199,7 +199,7 @@ MeridianReading read_by(const Conic& conic, const std::vector<OnMeridian>& point
 MeridianReading read_apart(const RimCircle& circle, const std::vector<OnMeridian>& all, double apart, double all_around) {
   std::vector<OnMeridian> points;
   for (const OnMeridian& p : all)
-    if (static_cast<int>(points.size()) < most_on_meridian && p.distance >= apart + (points.empty() ? 0 : points.back().distance))
+    if (static_cast<int>(points.size()) < max_on_meridian && p.distance >= apart + (points.empty() ? 0 : points.back().distance))
       points.push_back(p);
   MeridianReading best;
   if (points.size() < 3) return best;  // two are on any conic

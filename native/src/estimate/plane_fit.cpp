@@ -17,28 +17,28 @@ using Column = PlaneFit::Column;
 // of 0 to 2% of an edge. Two percentages tell by how much planes err more in the mean: with half, with twice of it.
 /// Of the variance components, and of these at most with half of the stencils. On ten surfaces of 8 to 32 edges a side, with noise of 0 to
 /// 3% of an edge, planes err by 3% less in the mean than after 14, 8 of them with half, without going further than asked for.
-constexpr int most_iterations = 10, most_with_half = 8;
+constexpr int max_iterations = 10, max_with_half = 8;
 /// Power of the ratio by which the variances of noise and truncation change, which creep otherwise: over-relaxation. With 2 they swing,
 /// and planes err by 20% more.
 constexpr double further = 1.5;
-constexpr double settled = 0.03;      ///< relative change of a variance: no more iterations (0%, 0%);
-constexpr double nearly = 0.1;        ///< with half of the stencils, which only begin (0%, 0%)
-constexpr double least_noise = 1e-7;  ///< of the stencil radius, as a deviation: keeps the normal equations solvable
+constexpr double settled = 0.03;    ///< relative change of a variance: no more iterations (0%, 0%);
+constexpr double nearly = 0.1;      ///< with half of the stencils, which only begin (0%, 0%)
+constexpr double min_noise = 1e-7;  ///< of the stencil radius, as a deviation: keeps the normal equations solvable
 /// Of the points or parameters: the least number that a component is an average over, for a number near 0 may come out below it. 1%, 0%.
-constexpr double least_count = 1e-3;
+constexpr double min_count = 1e-3;
 /// Of the squared curvature that the faces next to the rim show: the least variance of second derivatives. 0%, -1%.
 constexpr double bends_at_least = 0.3;
 /// Of the variance that a term of one degree more would have at least: so little is left out of a plane.
-constexpr double least_truncation = 1e-6;
+constexpr double min_truncation = 1e-6;
 /// Of the squared curvature that the faces show: the least variance of the slope across the rim against the faces next to it.
-constexpr double least_tilt = 1e-4;
+constexpr double min_tilt = 1e-4;
 /// Of the squared curvature of a circle as large as the stencils: what the iteration starts from at least, for it cannot grow from nothing.
-constexpr double least_start = 0.01;
+constexpr double min_start = 0.01;
 /// Of the variance of the noise: a term that makes heights of less is not seen, and whether it has settled does not matter.
 constexpr double unseen_share = 0.1;
 
 /// Of a diagonal element of a normal matrix: with less left of it, rounding would count.
-constexpr double least_pivot = 1e-4;
+constexpr double min_pivot = 1e-4;
 /// Of a fit, after which its coefficients are those of an orthogonal triangularization.
 constexpr int refinements = 2;
 /// Of the coefficients, both in deviations: each correction leaves about as small a part of the one before, and after one of this only rounding.
@@ -115,7 +115,7 @@ bool take_root(const Stencil& s, const VarianceComponents& components, FitRoom& 
   sum_products(s.heights, {components.noise, components.truncation}, room.heights, room.root);
   for (int k = 0; k < fit_terms; ++k) room.root(k, k) += room.prior[k] / (term[k].over * term[k].over);
   room.root(2, fit_terms) += room.prior[2] * s.faces;
-  return factor_symmetric(room.root, fit_terms, least_pivot);
+  return factor_symmetric(room.root, fit_terms, min_pivot);
 }
 
 /// Root and mean.
@@ -167,7 +167,7 @@ Explained explain(const Stencil& s, const VarianceComponents& components, FitRoo
   const ByMonomial variances = coefficient_variances(room.root, room.over);
   Explained e;
   const auto count = [&](int k, double prior) {
-    return std::max(1 - variances[k] / (term[k].over * term[k].over) * prior, least_count);
+    return std::max(1 - variances[k] / (term[k].over * term[k].over) * prior, min_count);
   };
   for (int k = 0; k < fit_terms; ++k) {
     const int d = term[k].i + term[k].j;
@@ -183,20 +183,20 @@ Explained explain(const Stencil& s, const VarianceComponents& components, FitRoo
                                                    of_monomials(room.mean).data(), room.root, room.over);
   e.noise = heights.noise;
   e.truncation = heights.truncation;
-  e.noise_count = std::max(heights.noise_count, least_count * heights.noise_points);
-  e.truncation_count = std::max(heights.truncation_count, least_count * heights.truncation_points);
+  e.noise_count = std::max(heights.noise_count, min_count * heights.noise_points);
+  e.truncation_count = std::max(heights.truncation_count, min_count * heights.truncation_points);
   return e;
 }
 
 /// The least that the components can be.
 struct Floors {
-  double radius, bend, least_bend;  // bend, least_bend: squared curvatures
+  double radius, bend, min_bend;  // bend, min_bend: squared curvatures
 
   double noise() const { return least() * least(); }
   /// The variance of a term of this degree that makes heights of least() at the radius.
   double term(int d) const { return std::pow(least() / std::pow(radius, d), 2); }
-  double truncation() const { return least_truncation * term(fit_degree + 1); }
-  double least() const { return least_noise * radius; }
+  double truncation() const { return min_truncation * term(fit_degree + 1); }
+  double least() const { return min_noise * radius; }
 };
 
 VarianceComponents components_of(const Explained& all, const Floors& floors) {
@@ -205,8 +205,8 @@ VarianceComponents components_of(const Explained& all, const Floors& floors) {
   c.noise = std::max(ratio(all.noise, all.noise_count), floors.noise());
   c.truncation = std::max(ratio(all.truncation, all.truncation_count), floors.truncation());
   for (int d = 2; d <= fit_degree; ++d) c.term[d] = std::max(ratio(all.sum[d], all.count[d]), floors.term(d));
-  c.term[2] = std::max(c.term[2], floors.least_bend);
-  c.tilt = std::max(ratio(all.tilt, all.tilt_count), least_tilt * floors.bend);
+  c.term[2] = std::max(c.term[2], floors.min_bend);
+  c.tilt = std::max(ratio(all.tilt, all.tilt_count), min_tilt * floors.bend);
   return c;
 }
 
@@ -268,7 +268,7 @@ double predicted_density(const PlaneFit& fit, const FitRoom& room, const Varianc
 /// vertices are far, as next to a bevel of long strips, that is all there is to know them by, and its likeliest size is next to
 /// nothing. Starts from no noise, so that coarse but clean meshes are not smoothed.
 VarianceComponents estimate_components(const std::array<std::vector<Stencil>, 3>& stencils, double radius, double bend) {
-  const Floors floors = {radius, std::max(bend, least_start / (radius * radius)), bends_at_least * bend};
+  const Floors floors = {radius, std::max(bend, min_start / (radius * radius)), bends_at_least * bend};
   bend = floors.bend;
   VarianceComponents components;
   components.term = {1, 100, bend, bend * bend, std::pow(bend, 3), std::pow(bend, 4)};
@@ -287,7 +287,7 @@ VarianceComponents estimate_components(const std::array<std::vector<Stencil>, 3>
   const auto explain_some = [&](std::size_t from, std::size_t to, FitRoom& room) {
     for (std::size_t k = from; k < to; ++k) explained[k] = explain(*looked_at[all][k], components, room);
   };
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const std::size_t count = looked_at[all].size();
     both_at_once([&] { explain_some(0, count / 2, rooms[0]); }, [&] { explain_some(count / 2, count, rooms[1]); });
     Explained sum;
@@ -295,7 +295,7 @@ VarianceComponents estimate_components(const std::array<std::vector<Stencil>, 3>
     const VarianceComponents before = std::exchange(components, components_of(sum, floors));
     const bool done = have_settled(components, before, radius, all ? settled : nearly);
     if (done && all) break;
-    all = all || done || iteration + 1 >= most_with_half;
+    all = all || done || iteration + 1 >= max_with_half;
     go_further(before, floors, components);
   }
   return components;

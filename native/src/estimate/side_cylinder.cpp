@@ -16,11 +16,11 @@ namespace tripatch {
 namespace {
 
 /// Unknowns of a cylinder, and vertices beyond these that tell whether there is one.
-constexpr int cylinder_unknowns = 5, least_beyond = 3;
+constexpr int cylinder_unknowns = 5, min_beyond = 3;
 /// Vertices lie off a cylinder by this share of what they lie off a plane, at most.
 constexpr double cylinder_within = 1e-3;
 /// Of Gauss-Newton: with faces that lie askew two leave 6e-7, three 2e-13, four rounding; a bound for where there is no cylinder.
-constexpr int most_cylinder_steps = 30;
+constexpr int max_cylinder_steps = 30;
 /// Where it ends: a step of so much of a rim edge is rounding. With one of 1e-4 planes come to 2e-13.
 constexpr double last_cylinder_step = 1e-13;
 
@@ -34,9 +34,9 @@ constexpr double off_ruling = 1e-3, off_way = 0.1, ahead = 0.7;
 /// edges are to rounding, and strips that bend are off by all of it.
 constexpr double clear_end = 0.25;
 /// Inner vertices of a side that say so, at least; none says otherwise.
-constexpr int least_asked = 2;
+constexpr int min_asked = 2;
 /// Of three faces: the turn that is one, and the sine up to which they turn about one line.
-constexpr double least_turn = 1e-3, off_line = 1e-6;
+constexpr double min_turn = 1e-3, off_line = 1e-6;
 
 struct Cylinder {
   Vec3 point, axis;            // axis: unit
@@ -104,13 +104,13 @@ bool ends_behind(const LocalMesh& w, const SideDraft& side, const Cylinder& cyli
     if (!(std::abs(turn - bend * second) < clear_end * std::abs(bend * first))) return false;
     ++asked;
   }
-  return asked >= least_asked;
+  return asked >= min_asked;
 }
 
 /// By Gauss-Newton from the direction that the faces turn about.
 std::optional<Cylinder> cylinder_through(const std::vector<Vec3>& points, const std::vector<Vec3>& normals) {
   const Index n = static_cast<Index>(points.size());
-  if (n < cylinder_unknowns + least_beyond) return {};
+  if (n < cylinder_unknowns + min_beyond) return {};
   Eigen::Matrix3d turns = Eigen::Matrix3d::Zero(), spread = Eigen::Matrix3d::Zero();
   for (const Vec3& normal : normals) turns += normal * normal.transpose();
   Vec3 middle = Vec3::Zero();
@@ -123,7 +123,7 @@ std::optional<Cylinder> cylinder_through(const std::vector<Vec3>& points, const 
   const Circle circle = circle_along(points, middle, u, v);
   c.point = circle.center;
   c.radius = circle.radius;
-  for (int step = 0; step < most_cylinder_steps; ++step) {
+  for (int step = 0; step < max_cylinder_steps; ++step) {
     u = c.axis.unitOrthogonal();
     v = c.axis.cross(u);
     Eigen::MatrixXd slopes(n, cylinder_unknowns), off(n, 1);
@@ -150,7 +150,7 @@ std::optional<Cylinder> cylinder_through(const std::vector<Vec3>& points, const 
 bool turns_about_line(const LocalMesh& w, const SideDraft& side) {
   const Vec3 first = w.area[side.face.front()].normalized(), last = w.area[side.face.back()].normalized(),
              middle = w.area[side.face[side.face.size() / 2]].normalized(), line = first.cross(last);
-  return line.norm() > least_turn && std::abs(line.normalized().dot(middle)) < off_line;
+  return line.norm() > min_turn && std::abs(line.normalized().dot(middle)) < off_line;
 }
 
 }  // namespace

@@ -16,14 +16,14 @@ namespace {
 // Half and twice of these numbers were tried on 78 rims in meshes of balls, tori, saddles and fillets, of 1 to 16 edges a side, with noise
 // of 0 to 2% of an edge. Two percentages tell by how much planes err more in the mean: with half, with twice of it.
 constexpr double flat_enough = 5e-4;  ///< slope over the guess of a plane: no second fit; 0%, 0%
-constexpr double most_tilt = 0.2;     ///< slope over the faces that is handed on to the next vertex; 1%, 1%
+constexpr double max_tilt = 0.2;      ///< slope over the faces that is handed on to the next vertex; 1%, 1%
 constexpr int pooled = 2;             ///< vertices to each side that are judged together; 4%, 2%
 /// Logarithm of densities: what is near is predicted within a seventh. Less says nothing, for the first guess of a plane is made of the
 /// nearest faces themselves: where the noise is 1% of the edges, one ring seems better by 1 to 1.6.
 constexpr double by_far = 2;
 constexpr double by_some = 0.5;  ///< without noise: a fifth; nothing where the other is as much less certain of its plane.
 /// Vertices to each side along the rim that a vertex is compared with.
-constexpr int most_compared = 3, least_compared = 2;
+constexpr int max_compared = 3, min_compared = 2;
 /// Of the mean rim edge: a rim of a deviation of less has no noise; coarse meshes of 12 degrees an edge have 1e-3.
 constexpr double noisy_rim = 3e-3;
 /// Where there is none, a fit of r rings is known at best as well as noise like the rim's allows: its variance over the cube of r rows of
@@ -60,7 +60,7 @@ std::vector<double> densities(const LocalMesh& w, const SideDraft& side, int k, 
 double slope_ahead(const VertexFit& last, const Vec3& step, const Vec3& faces, const Vec3& outward) {
   const Vec3 ahead = last.normal - last.second * step;
   const double up = ahead.dot(faces);
-  return up > 0 ? std::clamp(-ahead.dot(outward) / up, -most_tilt, most_tilt) : 0;
+  return up > 0 ? std::clamp(-ahead.dot(outward) / up, -max_tilt, max_tilt) : 0;
 }
 
 }  // namespace
@@ -192,7 +192,7 @@ double lean(const SideDraft& side, int k, const Vec3& normal) {
 /// By how much a plane at vertex k of a side may lean: twice as much as the faces next to the rim there and those within two steps from
 /// them do. Where rings of faces see nothing but what lies far off, as in a plane that is meshed with long triangles, fits may lean
 /// by anything.
-double most_lean(const LocalMesh& w, const SideDraft& side, int k) {
+double max_lean(const LocalMesh& w, const SideDraft& side, int k) {
   std::vector<int> near;
   for (int e = std::max(k - pooled, 0); e < std::min(k + pooled, side.edges()); ++e) near.push_back(side.face[e]);
   for (std::size_t at = 0, step = 0, end = near.size(); step < 2; ++step, end = near.size())
@@ -209,8 +209,8 @@ double most_lean(const LocalMesh& w, const SideDraft& side, int k) {
 /// interpolated. It is that of noise: what a smooth curve of edges that turn by x leaves is an edge times x^3 to x^5. Nothing where the
 /// side is too short to tell.
 std::optional<double> roughness(const SideDraft& side) {
-  const int last = side.edges(), reach = std::min(last / 2, most_compared);
-  if (reach < least_compared) return {};
+  const int last = side.edges(), reach = std::min(last / 2, max_compared);
+  if (reach < min_compared) return {};
   double sum = 0;
   for (int k = reach; k <= last - reach; ++k) {
     Vec3 off = side.position[k];
@@ -306,7 +306,7 @@ SideFit choose(const LocalMesh& w, const std::vector<std::vector<VertexFit>>& fi
   std::vector<double> variances;  // of the planes taken
   for (int k = 0; k <= edges; ++k) {
     std::size_t best = 0;
-    const double most = fits.size() > 1 ? most_lean(w, side, k) : 0;  // one alone is taken
+    const double most = fits.size() > 1 ? max_lean(w, side, k) : 0;  // one alone is taken
     const bool doubtful = noisy || coarse || most > 2 * coarse_turn;
     const auto variance = [&](std::size_t f) {
       const double by_noise = known_by_ring * rough / (side.depth * side.depth * std::pow(neighborhoods[f].rings, 3));

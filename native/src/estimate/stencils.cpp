@@ -30,8 +30,8 @@ public:
   /// Distances of vertices from the ends of a side and of its neighbors are asked for again and again, and kept in `distances`.
   InFront(const LocalMesh& w, const SideDraft& side, int k, SideDistances& distances)
       : w_(w), side_(side), distances_(distances), edges_(side.edges()) {
-    nearest_ = std::max(k - most_rings, 0);
-    farthest_ = std::min(k + most_rings, edges_);
+    nearest_ = std::max(k - max_rings, 0);
+    farthest_ = std::min(k + max_rings, edges_);
     h_first_ = (w.position[side_.vertex[1]] - first()).norm();
     h_last_ = (w.position[side_.vertex[edges_ - 1]] - last()).norm();
     counts_all_ = nearest_ > 0 && farthest_ < edges_;

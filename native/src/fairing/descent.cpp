@@ -22,11 +22,11 @@ constexpr double share_of_reach = 0.9;   // of the way to alpha's bound, so that
 /// Of the mean diagonal element: unknowns without rows stay put, others change by rounding; 0 with 1e-10 too.
 constexpr double regularization = 1e-12;
 /// Of one of two energies in the derivative: for less its model, half the work, is not made: 1e-5.
-constexpr double least_share = 0.05;
+constexpr double min_share = 0.05;
 
 /// Levenberg and Marquardt's damping, over the metric's share of the trace: at first, what a step changes it by, what it is at least, and
 /// how often it is tried before a step is given up: the usual values.
-constexpr double damping_at_first = 1e-4, damping_by = 10, least_damping = 1e-10;
+constexpr double damping_at_first = 1e-4, damping_by = 10, min_damping = 1e-10;
 constexpr int dampings_tried = 6;
 constexpr double damped_anyway = 1e-14;  // of the trace, added to each diagonal element: held slopes have empty rows
 
@@ -94,7 +94,7 @@ Merit::Value Merit::operator()(const Eigen::VectorXd& x) const {
 Merit::Model Merit::linearized(const Eigen::VectorXd& x, const Value& v) const {
   Model m;
   const double share = quadric_share(v.variation, v.quadric);
-  m.used = {share<1 - least_share, share> least_share};  // a step counts only if it goes down anyway
+  m.used = {share<1 - min_share, share> min_share};  // a step counts only if it goes down anyway
   m.variation = problem_.linearized(v.derivatives ? *v.derivatives : problem_.derivatives(x), m.used);
   if (problem_.following().any()) m.jumps = problem_.following().linearized(x);
   return m;
@@ -103,9 +103,7 @@ Merit::Model Merit::linearized(const Eigen::VectorXd& x, const Value& v) const {
 /// The model of the logarithm about x, its parts weighed by their values at x + y: of the matrix the lower triangle, and no constant.
 Quadratic Merit::weighted(const Model& m, const Eigen::VectorXd& x, const Eigen::VectorXd& third_slope, const Value& v,
                           const Eigen::VectorXd& y) const {
-  const auto value = [&](int which, double now) {
-    return m.used[which] ? std::max(m.variation[which](y), least_left * now) : now;
-  };
+  const auto value = [&](int which, double now) { return m.used[which] ? std::max(m.variation[which](y), min_left * now) : now; };
   const double variation = value(0, v.variation), quadric = value(1, v.quadric), third = std::max(third_(x + y), no_energy);
   double share = quadric_share(variation, quadric);
   if (!m.used[0]) share = 1;
@@ -179,7 +177,7 @@ int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& 
         gain = value.log - next.log;
         x = y;
         value = next;
-        damping = std::max(damping / damping_by, least_damping);
+        damping = std::max(damping / damping_by, min_damping);
       } else {
         damping *= damping_by;
       }

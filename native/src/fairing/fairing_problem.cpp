@@ -43,7 +43,7 @@ double alpha_reach(const PiecewisePolynomial& alpha, const PiecewisePolynomial& 
     double before, change;
     alpha.taylor(k / 32.0, 0, &before);
     added.taylor(k / 32.0, 0, &change);
-    if (!(change >= 0)) most = std::min(most, -(1 - least_alpha_kept) * before / change);
+    if (!(change >= 0)) most = std::min(most, -(1 - min_alpha_kept) * before / change);
   }
   return most;
 }

@@ -76,8 +76,7 @@ Vec3 in_plane(const Vec3& v, const Vec3& n) { return v - n.dot(v) * n; }
 /// Of a side: breaks that are nearer to each other, or to an end, are one. Rims of 10,000 edges have breaks a hundred times as far apart.
 constexpr double one_place = 1e-6;
 constexpr double nearly_one_plane = 1e-5;  // sine of the angle between two planes: less, and the line where they meet is rounding
-constexpr double least_slant =
-    0.2;  // cosine: a line that leaves the side at less than some 12 degrees is no crease to be followed
+constexpr double min_slant = 0.2;  // cosine: a line that leaves the side at less than some 12 degrees is no crease to be followed
 
 /// A derivative across that is in the planes of both sides of a kink and goes as far inwards as v: where they differ, along the line
 /// where they meet, which is the crease that ends there. None where that line runs along the side.
@@ -86,7 +85,7 @@ std::optional<Vec3> in_both_planes(const Vec3& v, const Side& before, const Side
   if (line.norm() < nearly_one_plane) return in_plane(v, (n0 + n1).normalized());
   const Vec3 inward = -(before.r(1).normalized() + after.r(0).normalized()).normalized();
   const double slant = inward.dot(line.normalized());
-  if (std::abs(slant) < least_slant) return std::nullopt;
+  if (std::abs(slant) < min_slant) return std::nullopt;
   return inward.dot(v) / slant * line.normalized();
 }
 

@@ -61,7 +61,7 @@ Fill fill_beside_sharp_sides(const Ground& ground, const Connectivity& around, c
   } catch (const Refusal&) {  // faces without area tell nothing
   }
   std::vector<double> angles;
-  if (places.size() >= 2 && places.size() <= static_cast<std::size_t>(most_sides))
+  if (places.size() >= 2 && places.size() <= static_cast<std::size_t>(max_sides))
     angles = sharp_sides(ground.mesh, around, rim, places);
   if (!any_sharp(angles)) return fill_with_spline(ground.mesh, around, rim, {}, options);
   const std::vector<Index> beyond = not_continued(ground.mesh, around, rim, places, angles);
@@ -304,7 +304,7 @@ std::optional<Fill> rows_on_surface(const Ground& ground, const Fill& rows, cons
     }
     layout.uv.row(layout.rim + k) = place;
   }
-  return with_faces_of(ground, {fill.rim}, rows, layout, least_sine, fill);
+  return with_faces_of(ground, {fill.rim}, rows, layout, min_sine, fill);
 }
 
 Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options) {

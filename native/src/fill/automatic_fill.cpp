@@ -36,7 +36,7 @@ bool lost_a_wall(const Ground& ground, const std::vector<Index>& rim, std::vecto
   if (is_shaped_by_hand(options) || !is_continuity_open(options)) return false;
   if (!walls_end_at_flat_rim(ground.mesh, ground.left, rim, diameter(ground.mesh, rim))) return false;
   if (corners.empty()) corners = at_places(rim, corners_between_sharp(ground.mesh, ground.left, rim));
-  if (corners.size() < 2 || corners.size() > static_cast<std::size_t>(most_sides)) return true;
+  if (corners.size() < 2 || corners.size() > static_cast<std::size_t>(max_sides)) return true;
   const std::vector<double> angles = sharp_sides(ground.mesh, ground.left, rim, places_in(rim, corners));
   return !std::ranges::all_of(angles, [](double angle) { return angle > 0; });
 }
@@ -432,7 +432,7 @@ std::vector<std::array<Index, 2>> sharp_rim_edges(const Ground& ground, const Fi
     for (std::size_t k = 0; k < face.size(); ++k) {
       const Index a = face[k], b = face[(k + 1) % face.size()];
       const auto beyond = a < n && b < n ? ground.left.edge(b, a) : std::nullopt;
-      if (beyond && angle_between(area, area_vector(ground.mesh, ground.left.face(*beyond))) > least_crease_angle)
+      if (beyond && angle_between(area, area_vector(ground.mesh, ground.left.face(*beyond))) > min_crease_angle)
         edges.push_back({a, b});
     }
   }

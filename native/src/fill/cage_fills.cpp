@@ -55,7 +55,7 @@ constexpr double likely = 3.5;
 /// there; with 10 to 100 faces it is 1.1 to 1.2 times as far. Over grids on balls and waves 150 to 4,400 are 0.2 to 1 times as far.
 constexpr Index many = 150;
 /// If it folds or crosses itself there, it is made fair after all up to so many vertices, which takes three seconds.
-constexpr Index most_fair = 1000;
+constexpr Index max_fair = 1000;
 constexpr const char* grown_reason = "the quads around the hole continue";
 constexpr const char* placed_reason = "the fairest cage would leave the surrounding surface, so its vertices lie on that surface";
 constexpr const char* guessed_reason = "the hole has no clear corners, so the cage lies between four of its vertices";
@@ -163,7 +163,7 @@ private:
 
 /// That a cage crosses itself, then its folds: as of a report.
 using Harm = std::pair<bool, Index>;
-constexpr Harm most_harm = {true, std::numeric_limits<Index>::max()};
+constexpr Harm max_harm = {true, std::numeric_limits<Index>::max()};
 
 /// Cages in some holes, in one of several ways. Where a cage is alone and hangs on no patch, its patch, which takes longer than the cage, is
 /// made when the fill is asked for: most of those that are tried are not taken.
@@ -209,7 +209,7 @@ public:
 
   /// Of the first hole. Where none is wanted what folds is not asked whether it crosses itself too.
   Harm harm() {
-    if (was_seen_) return most_harm;
+    if (was_seen_) return max_harm;
     if (!waits_) return tripatch::harm(fills_[0].report);
     if (no_harm_wanted_) {
       if (!folded_) folded_ = cages_.triangles_folded(0);
@@ -377,7 +377,7 @@ TriedOnes try_cages(const Ground& ground, const std::vector<SidedRim>& holes, co
   tried = without_rows_if_that_folds_less(ground, std::move(tried), options, seen);
   if (on_mesh == OnMeshWhere::nowhere || (!placed && !has_other_place) || tried->is_harmless()) return tried;
   // its vertices elsewhere, where the mesh around would continue or as the fairest one's
-  const bool too_many = of_many && tried->faces().vertices.rows() > most_fair;
+  const bool too_many = of_many && tried->faces().vertices.rows() > max_fair;
   const OnMeshWhere elsewhere = too_many ? OnMeshWhere::untangled : placed ? OnMeshWhere::nowhere : OnMeshWhere::everywhere;
   TriedOnes other = try_cages(ground, holes, options, seen, elsewhere);
   return other->harm() < tried->harm() ? std::move(other) : std::move(tried);

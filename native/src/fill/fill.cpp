@@ -97,14 +97,14 @@ struct Elsewhere {
 };
 
 /// Extra rows of quads that may be asked for: a bound against slips of the hand, far beyond what any fill has room for.
-constexpr int most_rows = 100;
+constexpr int max_rows = 100;
 
 void check_options(const FillOptions& options) {
   check(options);
   const bool triangles = options.output == Output::triangles;
   if (options.resolution && triangles && *options.resolution < 1) throw InvalidArgument("resolution must be from 1 to 10000");
-  if (options.resolution && !triangles && *options.resolution > most_rows)
-    throw InvalidArgument("resolution must be from 0 to " + std::to_string(most_rows));
+  if (options.resolution && !triangles && *options.resolution > max_rows)
+    throw InvalidArgument("resolution must be from 0 to " + std::to_string(max_rows));
 }
 
 /// The patch over a polygon or a disc, requested, or that of three sides which meets points inside; nothing where the rim has three sides
@@ -201,7 +201,7 @@ bool asks_for_nothing(const FillOptions& options) {
 
 /// Of a hole of three edges, or of few in smooth surroundings.
 std::optional<Fill> fill_if_small(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options) {
-  if (rim.size() > most_edges_of_small || !asks_for_nothing(options)) return {};
+  if (rim.size() > max_edges_of_small || !asks_for_nothing(options)) return {};
   std::vector<Index> checked = check_topology(ground.left, rim);
   check_finite(ground.mesh, ground.left, checked);
   std::rotate(checked.begin(), std::min_element(checked.begin(), checked.end()), checked.end());

@@ -19,7 +19,7 @@ Connectivity around_rim(const Mesh& mesh, const std::optional<std::vector<Index>
   if (!rim) return Connectivity(mesh, replaced);
   std::vector<Index> vertices = *rim;
   for (const std::vector<Index>& island : islands) vertices.insert(vertices.end(), island.begin(), island.end());
-  return Connectivity::around(mesh, vertices, most_rings, replaced);
+  return Connectivity::around(mesh, vertices, max_rings, replaced);
 }
 
 }  // namespace
@@ -99,7 +99,7 @@ CorneredRim cornered(const Ground& ground, const std::vector<Index>& rim, const 
 }
 
 bool makes_polygon(const std::vector<Index>& corners) {
-  return corners.size() >= 2 && corners.size() != 3 && corners.size() <= static_cast<std::size_t>(most_sides);
+  return corners.size() >= 2 && corners.size() != 3 && corners.size() <= static_cast<std::size_t>(max_sides);
 }
 
 void check_counts(const FillOptions& options, std::size_t sides) {

@@ -482,20 +482,20 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
 namespace {
 
 /// Of waves round a rim: so many as it has edges, but no more than these.
-constexpr int most_waves = 48;
+constexpr int max_waves = 48;
 
 }  // namespace
 
 PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options,
                        bool folded_too, const VertexPlanes& planes) {
   const Index r = static_cast<Index>(rim.size());
-  if (r < least_round) throw CodedRefusal(Code::round_rim_too_short, rim);
+  if (r < min_round) throw CodedRefusal(Code::round_rim_too_short, rim);
   const auto [first, backwards] = beginning_of_closed(mesh, around, rim);
   std::vector<Index> own = rim;
   std::rotate(own.begin(), own.begin() + first, own.end());
   const ClosedSide known = closed_side(mesh, around, own, backwards, planes);
   const double begin = known.t[(r - first) % r];  // of the rim as it is given
-  const RoundPatch as_known = round_patch(known.side, polygon_options(options), static_cast<int>(std::min<Index>(r, most_waves)));
+  const RoundPatch as_known = round_patch(known.side, polygon_options(options), static_cast<int>(std::min<Index>(r, max_waves)));
   const RoundPatch made = begun_at(as_known, begin);
   PolygonFill result;
   Fill& fill = result.fill;

@@ -28,15 +28,15 @@ namespace tripatch {
 namespace {
 
 /// Of the side of a block, in edges: of more the matrices of its differences would take longer than other fills.
-constexpr Index most_edges = 200;
+constexpr Index max_edges = 200;
 /// Vertices inside an outline that is no block, for the same reason: of so many it takes half a second.
-constexpr Index most_inside = 2000;
+constexpr Index max_inside = 2000;
 /// Right angles by which the rim of a hole in a grid turns; a pole of five or three rows makes one more or less.
 constexpr Index right_angles_of_grid = 4;
 /// Rows beyond the rim that the surface goes through: what the spline does at its ends is a fourteenth of that two rows within.
 constexpr Index rows_of_surface = 2;
 /// Of the mean distance of rows: no two are nearer to each other in the surface's domain, whose cubics would be divided by less. A choice.
-constexpr double least_step = 1e-3;
+constexpr double min_step = 1e-3;
 /// Positions of a block with its rows around.
 class Block {
 public:
@@ -61,7 +61,7 @@ public:
     const double mean = std::accumulate(steps.begin(), steps.end(), 0.0) / static_cast<double>(steps.size());
     double place = 0;
     places.push_back(place);
-    for (double step : steps) places.push_back(place += std::max(step, least_step * mean));
+    for (double step : steps) places.push_back(place += std::max(step, min_step * mean));
     const double origin = places[static_cast<std::size_t>(-first)];
     for (double& each : places) each -= origin;
     return places;
@@ -215,7 +215,7 @@ std::optional<QuadLayout> layout_of_rows(const Ground& ground, const std::vector
   Index turns = 0;  // right angles of the rim
   for (std::size_t k = 0; k < rim.size(); ++k)
     turns += 2 - std::lround(coarse(quads_left(ground.mesh.vertices, ground.left, rim, k)));
-  if (std::abs(turns - right_angles_of_grid) > most_poles) return {};
+  if (std::abs(turns - right_angles_of_grid) > max_poles) return {};
   const std::optional<QuadLayout> layout = grown_layout(rim, ground.mesh.vertices, ground.left);
   if (!layout || std::ranges::any_of(layout->faces.offsets, [](Index at) { return at % 4 != 0; })) return {};
   return in_order_from_rim(*layout);
@@ -227,7 +227,7 @@ std::optional<Fill> fill_with_rows_over(const Ground& ground, const std::vector<
                                         Output output, bool features) {
   const Index n = ground.mesh.vertices.rows(), r = layout.rim;
   const QuadsInside quads = {rim, layout.faces, layout.barycentric.rows() - r};
-  if (quads.inside > most_inside || !go_on(ground.mesh.vertices, ground.left, quads) ||
+  if (quads.inside > max_inside || !go_on(ground.mesh.vertices, ground.left, quads) ||
       doubles_edges(ground.left, rim, layout.faces))
     return {};
   check_positions(ground.mesh, ground.left, rim);
@@ -251,7 +251,7 @@ std::optional<Fill> fill_with_rows_over(const Ground& ground, const std::vector<
 
 std::optional<Fill> fill_with_rows(const Ground& ground, const std::vector<Index>& rim, Output output, bool features) {
   if (const std::optional<QuadRows> rows = quad_rows(ground.left, rim))
-    return rows->n() > most_edges || rows->m() > most_edges ? std::nullopt : fill_block(ground, rim, *rows, output, features);
+    return rows->n() > max_edges || rows->m() > max_edges ? std::nullopt : fill_block(ground, rim, *rows, output, features);
   const std::optional<QuadLayout> layout = layout_of_rows(ground, rim);
   return layout ? fill_with_rows_over(ground, rim, *layout, output, features) : std::nullopt;
 }

@@ -66,7 +66,7 @@ bool RowsInMesh::is_sharp(Index from, Index to) const {
   const auto one = around_.edge(from, to), other = around_.edge(to, from);
   if (!one || !other) return false;
   const Mesh mesh{points_, faces_};
-  return angle_between(area_vector(mesh, around_.face(*one)), area_vector(mesh, around_.face(*other))) > least_crease_angle;
+  return angle_between(area_vector(mesh, around_.face(*one)), area_vector(mesh, around_.face(*other))) > min_crease_angle;
 }
 
 bool RowsInMesh::is_inside(Index from, Index to) const {

@@ -122,7 +122,7 @@ std::vector<std::array<Index, 3>> halves_of(const Faces& faces) {
 }
 
 /// The four places of a rim, a quarter of it apart, at which it turns most in the plane: the first of them.
-Index most_turned(const PlanePoints& rim) {
+Index max_turned(const PlanePoints& rim) {
   const Index n = rim.rows();
   std::vector<double> turn;
   for (Index k = 0; k < n; ++k) {
@@ -162,7 +162,7 @@ std::optional<PlaneLayout> layout_of(const Mesh& mesh, const Connectivity& aroun
                                      const std::vector<Index>& corners, QuadsIn which, int rows, const PlaneFill& made) {
   const Index edges = made.rim_uv.rows();
   if (which == QuadsIn::grid) return brought_into_plane(made, square_layout(edges, corners, rows), 0);
-  if (which == QuadsIn::disc) return brought_into_plane(made, disc_layout(edges, rows), most_turned(made.rim_uv));
+  if (which == QuadsIn::disc) return brought_into_plane(made, disc_layout(edges, rows), max_turned(made.rim_uv));
   const WantedQuads wanted = which == QuadsIn::as_faces ? WantedQuads::by_number : WantedQuads::by_angle;
   std::optional<PlaneLayout> layout = grown_quads(made.rim_uv, wanted_quads(mesh.vertices, around, rim, wanted));
   if (layout && rows > 0) layout = with_rows(*layout, rows);
@@ -175,7 +175,7 @@ std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around
   std::optional<PlaneLayout> layout = layout_of(mesh, around, rim, corners, which, rows, made);
   if (!layout || doubles_edges(around, rim, layout->faces)) return {};
   const Points border = mesh.vertices(rim, Eigen::all), points = smoothed_on(*layout, *made.surface, border);
-  const double wanted = which == QuadsIn::grid || which == QuadsIn::disc ? 0 : least_sine;
+  const double wanted = which == QuadsIn::grid || which == QuadsIn::disc ? 0 : min_sine;
   if (!points.allFinite() || !(quad_quality(points, layout->faces).least >= wanted)) return {};
   const Index added = points.rows() - layout->rim;
   Faces cut = layout->faces;
@@ -289,8 +289,8 @@ std::vector<Index> faces_looked_at(const Mesh& mesh, const Connectivity& around,
     edges += static_cast<Index>(loop.size());
   }
   const auto disc = [&](const Connectivity& part) {
-    const int rings = static_cast<int>(std::max<Index>(edges, most_crease_rings));
-    return disc_around(mesh, part, loops, reach * length, rings, most_triangles_around(edges));
+    const int rings = static_cast<int>(std::max<Index>(edges, max_crease_rings));
+    return disc_around(mesh, part, loops, reach * length, rings, max_triangles_around(edges));
   };
   std::vector<Index> vertices = disc(around).vertices;
   if (continued) {

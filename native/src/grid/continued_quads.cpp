@@ -39,7 +39,7 @@ struct Neighborhood {
     std::vector<Index> ring = quads.rim;
     for (std::size_t k = 0; k < ring.size(); ++k) number[ring[k]] = static_cast<Index>(k);
     std::map<Index, bool> taken;  // faces
-    for (int rings = 0; rings < most_order; ++rings) {
+    for (int rings = 0; rings < max_difference_order; ++rings) {
       std::vector<Index> next;
       for (const Index v : ring) {
         if (!around.knows(v)) continue;
@@ -247,7 +247,7 @@ bool go_on(const PointsRef& vertices, const Connectivity& around, const QuadsIns
   Index poles = std::count_if(count.begin() + r, count.end(), [](Index quads_there) { return quads_there != 4; });
   for (std::size_t k = 0; k < quads.rim.size(); ++k)
     poles += std::abs(count[k] - std::lround(coarse(quads_left(vertices, around, quads.rim, k))));
-  return poles <= most_poles;
+  return poles <= max_poles;
 }
 
 ContinuedRows continued_quads(const PointsRef& vertices, const Connectivity& around, const QuadsInside& quads) {
@@ -259,8 +259,8 @@ ContinuedRows continued_quads(const PointsRef& vertices, const Connectivity& aro
                beyond = vertices(all.beyond, Eigen::all).rowwise() - origin.transpose();
   const std::vector<RimSide> sides = SidesOfRim(quads).sides();
   const std::vector<Index> column = banded_columns(neighborhood, quads);
-  std::array<std::optional<Continued>, most_order> made;
-  for (int order = 1; order <= most_order && !sides.empty(); ++order) {
+  std::array<std::optional<Continued>, max_difference_order> made;
+  for (int order = 1; order <= max_difference_order && !sides.empty(); ++order) {
     check_interruption();
     const MixedDifferences differences(neighborhood, quads, column, rim, beyond, order);
     if (!differences.determined()) continue;
@@ -270,7 +270,7 @@ ContinuedRows continued_quads(const PointsRef& vertices, const Connectivity& aro
     if (std::isfinite(missed)) made[order - 1] = {differences.inside(), missed};
   }
   ContinuedRows best;
-  for (int order = 1; order <= most_order; ++order) {
+  for (int order = 1; order <= max_difference_order; ++order) {
     const std::optional<Continued>& own = made[order - 1];
     if (own && (best.order == 0 || clearly_less(own->missed, best.missed))) best.order = order, best.missed = own->missed;
   }
@@ -279,7 +279,7 @@ ContinuedRows continued_quads(const PointsRef& vertices, const Connectivity& aro
   best.inside = Points(inside.rows(), 3);
   if (inside.rows() == 0) return best;
   best.inside = inside.rowwise() + origin.transpose();
-  const bool higher = best.order < most_order && made[best.order];
+  const bool higher = best.order < max_difference_order && made[best.order];
   const std::optional<Continued>& other = higher ? made[best.order] : made[std::max(best.order - 2, 0)];
   if (!other || (best.order == 1 && !higher)) return {};
   best.missed = std::max(best.missed, (inside - other->inside).norm() / std::sqrt(static_cast<double>(inside.rows())));

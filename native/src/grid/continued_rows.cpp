@@ -103,7 +103,7 @@ double middle_over_first(double across) { return std::pow(middle_share * across,
 
 ContinuedRows continued_rows(const PointsRef& vertices, const QuadRows& rows) {
   ContinuedRows best{{}, 1, missed(vertices, rows, 1)};
-  for (int order = 2; order <= most_order; ++order) {
+  for (int order = 2; order <= max_difference_order; ++order) {
     const double own = missed(vertices, rows, order);
     if (clearly_less(own, best.missed)) best.missed = own, best.order = order;
   }

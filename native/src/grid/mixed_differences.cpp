@@ -45,7 +45,7 @@ public:
 
   /// Whether there is such a block.
   bool walk(Corner from) {
-    for (std::vector<Index>& row : at_) row.assign(most_order + 1, -1);
+    for (std::vector<Index>& row : at_) row.assign(max_difference_order + 1, -1);
     Corner first = from;
     for (int row = 0; row < order_; ++row) {
       Corner now = first;
@@ -93,7 +93,7 @@ private:
 
   const Connectivity& mesh_;
   int order_;
-  std::array<std::vector<Index>, most_order + 1> at_;
+  std::array<std::vector<Index>, max_difference_order + 1> at_;
 };
 
 /// Corners that blocks of an order begin at, each block once.

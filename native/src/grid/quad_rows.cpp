@@ -45,7 +45,7 @@ std::vector<std::array<Index, 2>> QuadRows::outermost(int side) const {
 }
 
 void QuadRows::grow(const Connectivity& around, int side) {
-  if (beyond_[side] == most_beyond) return;
+  if (beyond_[side] == max_beyond) return;
   const std::vector<std::array<Index, 2>> places = outermost(side);
   std::vector<Index> row;
   for (const auto& [i, j] : places) row.push_back(at(i, j));
@@ -53,7 +53,7 @@ void QuadRows::grow(const Connectivity& around, int side) {
   if (next.empty()) return;
   const std::array<Index, 2> step = {side == 0 ? -1 : side == 1 ? 1 : 0, side == 2 ? -1 : side == 3 ? 1 : 0};
   for (std::size_t k = 0; k < places.size(); ++k)
-    vertex_(places[k][0] + step[0] + most_beyond, places[k][1] + step[1] + most_beyond) = next[k];
+    vertex_(places[k][0] + step[0] + max_beyond, places[k][1] + step[1] + max_beyond) = next[k];
   ++beyond_[side];
 }
 
@@ -68,9 +68,9 @@ std::optional<QuadRows> quad_rows(const Connectivity& around, const std::vector<
   for (int side : {2, 1, 3, 0}) {
     const std::vector<std::array<Index, 2>> along = rows.outermost(side);
     for (std::size_t k = 0; k + 1 < along.size(); ++k, ++place)
-      rows.vertex_(along[k][0] + QuadRows::most_beyond, along[k][1] + QuadRows::most_beyond) = rim[place % edges];
+      rows.vertex_(along[k][0] + QuadRows::max_beyond, along[k][1] + QuadRows::max_beyond) = rim[place % edges];
   }
-  for (Index round = 0; round < QuadRows::most_beyond; ++round)
+  for (Index round = 0; round < QuadRows::max_beyond; ++round)
     for (int side = 0; side < 4; ++side) rows.grow(around, side);
   if (rows.beyond() == std::array<Index, 4>{0, 0, 0, 0}) return {};
   return rows;

@@ -15,7 +15,7 @@ namespace tripatch {
 namespace {
 
 /// A corner turns by at least this (radians, 12 degrees): as much as the domain of a patch of n sides does at each of its corners.
-constexpr double least_turn = 12 * std::numbers::pi / 180;
+constexpr double min_turn = 12 * std::numbers::pi / 180;
 /// And by this many times what the vertices next to it turn, two to either side. Smooth sides bend alike from vertex to vertex; where an
 /// arc begins at a straight line it is twice as much.
 constexpr double over_beside = 2.5;
@@ -24,11 +24,11 @@ constexpr Index beside = 2;
 /// programs bend by 16 to 17 degrees next to corners of 100.
 constexpr double over_bend = 4;
 /// Corners are edges apart, three in the mean: of shorter sides nobody knows which way they run.
-constexpr Index least_edges = 2, mean_edges = 3;
-constexpr Index most_clear = 12;
-constexpr Index least_round_edges = 8;
+constexpr Index min_edges = 2, mean_edges = 3;
+constexpr Index max_clear = 12;
+constexpr Index min_round_edges = 8;
 /// The end of a prism of so few walls has a corner at every vertex: of more it may be a coarse tube.
-constexpr std::size_t most_walls = 6;
+constexpr std::size_t max_walls = 6;
 
 /// Whether no face around is a triangle: lines of quads tell of three corners more surely than turns do.
 bool between_lines(const Connectivity& around, const std::vector<Index>& rim) {
@@ -49,13 +49,13 @@ std::vector<Index> clear_by(const RimShape& shape, const Mesh& mesh, const std::
   std::vector<Index> corners;
   std::vector<char> is_corner(n, 0);
   const auto bends_beside_corner = [&](Index k) {
-    for (Index step = 1; step < least_edges; ++step)
+    for (Index step = 1; step < min_edges; ++step)
       for (Index other : {(k + step) % n, (k + n - step) % n})
         if (is_corner[other] && clearly_less(over_bend * size(k), size(other))) return true;
     return false;
   };
   for (Index k : order) {
-    if (clearly_less(size(k), least_turn)) break;
+    if (clearly_less(size(k), min_turn)) break;
     double near = 0;
     for (Index step = 1; step <= beside; ++step)
       for (Index other : {(k + step) % n, (k + n - step) % n})
@@ -66,21 +66,20 @@ std::vector<Index> clear_by(const RimShape& shape, const Mesh& mesh, const std::
     is_corner[k] = 1;
   }
   const Index count = static_cast<Index>(corners.size());
-  if (count < 2 || count > most_clear || count * mean_edges > n) return {};
+  if (count < 2 || count > max_clear || count * mean_edges > n) return {};
   const double least = size(corners.back());
   for (Index k = 0; k < n; ++k)
     if (!is_corner[k] && at_least(size(k), least)) return {};
   std::sort(corners.begin(), corners.end());
   for (Index k = 0; k < count; ++k)
-    if ((corners[(k + 1) % count] - corners[k] + n) % n < least_edges) return {};
+    if ((corners[(k + 1) % count] - corners[k] + n) % n < min_edges) return {};
   if (zigzag(mesh, rim, corners) > smooth_sides) return {};
   return corners;
 }
 
 bool meet_at_angle(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                    const std::vector<Index>& places) {
-  return places.size() >= 2 && std::cmp_less_equal(places.size(), most_clear) &&
-         any_sharp(sharp_sides(mesh, around, rim, places));
+  return places.size() >= 2 && std::cmp_less_equal(places.size(), max_clear) && any_sharp(sharp_sides(mesh, around, rim, places));
 }
 
 }  // namespace
@@ -93,12 +92,12 @@ std::vector<Index> clear_corners(const Mesh& mesh, const Connectivity& around, c
 
 bool is_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
   const Index n = static_cast<Index>(rim.size());
-  if (n < least_round_edges) return false;
+  if (n < min_round_edges) return false;
   const RimShape shape = measure(mesh, around, rim);
   if (shape.without_area) return false;
   double most = 0;
   for (double turn : shape.turn) most = std::max(most, std::abs(turn));
-  if (clearly_more(most, std::max(over_beside * 2 * std::numbers::pi / static_cast<double>(n), least_turn))) return false;
+  if (clearly_more(most, std::max(over_beside * 2 * std::numbers::pi / static_cast<double>(n), min_turn))) return false;
   return zigzag(mesh, rim, {}) <= smooth_sides;
 }
 
@@ -117,7 +116,7 @@ std::vector<Index> corners_between_sides(const Mesh& mesh, const Connectivity& a
 std::vector<Index> corners_between_sharp(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
   try {
     std::vector<Index> places = detect_corners(mesh, around, rim);
-    if (places.empty() && rim.size() <= most_walls) {
+    if (places.empty() && rim.size() <= max_walls) {
       places.resize(rim.size());
       std::iota(places.begin(), places.end(), Index{0});
     }

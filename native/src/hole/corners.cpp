@@ -27,7 +27,7 @@ constexpr double crisp_turn =
     75 * std::numbers::pi / 180;          ///< a single vertex that turns by this is never part of another corner,
 constexpr double crisp_share = 1.0 / 12;  ///< given that its edges are this long, in windows: those of no length turn by noise
 constexpr double as_strong = 1e-6;        ///< radians between two turns that are equal but for rounding
-constexpr std::size_t most_corners = 12;  ///< counted; a rim with more has none that is clear
+constexpr std::size_t max_corners = 12;   ///< counted; a rim with more has none that is clear
 
 /// How far the rim turns around each vertex: the mean direction over a window after it against that before it. That weights
 /// the turns at the vertices by a tent, so noise, whose turns cancel, counts little and uneven spacing not at all.
@@ -65,7 +65,7 @@ std::vector<Index> turning_corners(RimShape shape, const Loop& rim) {
   // the strongest corner first; it takes with it what turns within its window
   std::vector<Index> corners;
   std::vector<char> is_corner(n, 0);
-  while (corners.size() <= most_corners) {
+  while (corners.size() <= max_corners) {
     const std::vector<double> over = turns_over_window(turn, length, total);
     Index best = -1;
     for (Index k = 0; k < n; ++k) {
@@ -119,7 +119,7 @@ std::vector<Index> detect_corners(const Mesh& mesh, const Connectivity& around, 
   if (shape.without_area) throw CodedRefusal(Code::faces_without_area, {rim[0]});
   // Faces that meet the hole at an angle tell of another plane than the one in which the rim turns.
   const std::vector<Index> alone = turning_corners(measure_alone(mesh, rim), rim);
-  if (alone.size() >= 2 && alone.size() <= most_corners && any_sharp(sharp_sides(mesh, around, rim, alone))) return alone;
+  if (alone.size() >= 2 && alone.size() <= max_corners && any_sharp(sharp_sides(mesh, around, rim, alone))) return alone;
   std::vector<Index> corners = turning_corners(shape, rim);
   if (corners.size() == 3) return corners;
   // on a round shape the lines themselves turn, as they do over the edges of a cube made a sphere
@@ -133,7 +133,7 @@ std::array<Index, 3> three_corners(const Mesh& mesh, const Connectivity& around,
   Loop where;
   for (Index k : corners) where.push_back(rim[k]);
   if (corners.empty()) throw CodedRefusal(Code::no_clear_corners, {rim[0]});
-  if (corners.size() > most_corners) throw CodedRefusal(Code::too_many_corners, {{"most", most_corners}}, where);
+  if (corners.size() > max_corners) throw CodedRefusal(Code::too_many_corners, {{"most", max_corners}}, where);
   throw CodedRefusal(Code::not_three_corners, {{"count", corners.size()}}, where);
 }
 

@@ -24,14 +24,14 @@ constexpr double surely_smooth = 20;
 /// Of what direction and plane change from one edge to the next: carried on to the corner they are off by a quarter of that on circles.
 constexpr double of_bend = 0.5;
 /// Of the tolerance: a side is off at both of its corners by more than that, and by more than the tolerance on average.
-constexpr double least_share = 0.25;
+constexpr double min_share = 0.25;
 /// Degrees that direction and plane may change along a side of a single edge, at its half: a rounded corner of a box in one segment lies
 /// 35 off.
 constexpr double turn_of_one_edge = 70;
 /// Degrees between the planes next to two sides of an edge each and that of the rim at their corner, and between those two planes, from
 /// which on they are walls: those of prisms of four to six sides. Of balls as coarse as an octahedron they are 55 and 71; between three
 /// sides of one edge there is a triangle and nothing to choose.
-constexpr double least_upright = 70, least_apart = 55;
+constexpr double min_upright = 70, min_apart = 55;
 /// Sine of the angle between two sides from which on their tangents tell a plane: below 12 degrees only the faces next to them do.
 constexpr double tells_plane = 0.2;
 /// Degrees between two faces from which on the surface is not the same one, as for features across holes.
@@ -107,8 +107,8 @@ CornerAngles angles_at_corner(const SideEnd& in, const SideEnd& out) {
     off = {up ? a : 180 - a, up ? b : 180 - b};
   }
   if (in.single && out.single) {
-    const bool walls = !clearly_less(std::min(off[0], off[1]), least_upright) &&
-                       !clearly_less(degrees_between(in.normal, out.normal), least_apart);
+    const bool walls =
+        !clearly_less(std::min(off[0], off[1]), min_upright) && !clearly_less(degrees_between(in.normal, out.normal), min_apart);
     return walls ? CornerAngles{off, surely_smooth, true} : CornerAngles{{0, 0}, tolerance};
   }
   return {off, tolerance};
@@ -137,8 +137,8 @@ std::vector<double> sharp_sides(const Mesh& mesh, const Connectivity& around, co
     const CornerAngles &start = at[(i + sides - 1) % sides], &end = at[i];
     const double sum = start.off[1] + end.off[0];
     const bool tells = !first[i].single || (sides > 3 && start.walls && end.walls);
-    const bool both = tells && clearly_more(start.off[1], least_share * start.tolerance) &&
-                      clearly_more(end.off[0], least_share * end.tolerance);
+    const bool both =
+        tells && clearly_more(start.off[1], min_share * start.tolerance) && clearly_more(end.off[0], min_share * end.tolerance);
     if (both && clearly_more(sum, start.tolerance + end.tolerance)) angles[i] = sum / 2;
   }
   // two edges alone do not tell a coarse mesh from a sharp one, unless all around it is the same

@@ -44,10 +44,10 @@ Vec3 HeightQuadric::at(const Vec2& place) const { return quadric_at(fit_, place)
 
 namespace {
 
-constexpr int most_rows = static_cast<int>(most_height_samples);
-using SampleColumn = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_rows, 1>;
-using TermRows = Eigen::Matrix<double, Eigen::Dynamic, quadric_terms, 0, most_rows, quadric_terms>;
-using SampleSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_rows, most_rows>;
+constexpr int max_rows = static_cast<int>(max_height_samples);
+using SampleColumn = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_rows, 1>;
+using TermRows = Eigen::Matrix<double, Eigen::Dynamic, quadric_terms, 0, max_rows, quadric_terms>;
+using SampleSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_rows, max_rows>;
 
 double cube_of_distance(const Vec3& a, const Vec3& b) {
   const double square = (a - b).head<2>().squaredNorm();
@@ -56,7 +56,7 @@ double cube_of_distance(const Vec3& a, const Vec3& b) {
 
 /// Gaussian elimination of the terms at samples: their rows in `order` are lower * upper, the first six rows being the pivots.
 struct Carriers {
-  std::array<std::size_t, most_height_samples> order;
+  std::array<std::size_t, max_height_samples> order;
   TermRows factors;  ///< below the diagonal the lower factor, else the upper one
 
   explicit Carriers(const std::vector<Vec3>& samples) : factors(static_cast<Index>(samples.size()), quadric_terms) {

@@ -24,8 +24,8 @@ namespace {
 
 /// Products as the compiler finds them.
 struct AnyRegisters {
-  using OfFour = AnyRegisters;                                     ///< for products of four columns
-  static constexpr Index rows = 4, columns = 8, most_columns = 8;  // of a product: what the registers hold
+  using OfFour = AnyRegisters;                                    ///< for products of four columns
+  static constexpr Index rows = 4, columns = 8, max_columns = 8;  // of a product: what the registers hold
 
   /// sum = a b, where a is `rows` by k and b is k by `columns`.
   template <Index Rows, Index Columns>
@@ -199,28 +199,28 @@ struct Products {
   bool (*factor_symmetric)(double* a, Index n, double least);
 };
 
-#define TRIPATCH_PRODUCTS(name, Registers, machine)                                                                           \
-  machine void add_gram_##name(const double* a, Index m, Index n, double* c) {                                                \
-    add_gram_with<Registers, false>(a, m, n, 0, 1, c);                                                                        \
-  }                                                                                                                           \
-  machine void reflect_columns_##name(double* a, Index m, Index n) { reflect_columns_with<Registers>(a, m, n); }              \
-  machine void subtract_gram_##name(const double* u, Index count, Index n, Index begin, double* c) {                          \
-    add_gram_with<Registers, true>(u, count, n, begin, -1, c);                                                                \
-  }                                                                                                                           \
-  machine void multiply_four_##name(const double* a, Index k, const double* b, Index n, double* out, Index stride) {          \
-    if (n >= Registers::most_columns) return multiply_four_with<Registers, Registers::most_columns>(a, k, b, n, out, stride); \
-    multiply_four_with<Registers, 8>(a, k, b, n, out, stride);                                                                \
-  }                                                                                                                           \
-  machine void add_product_of_fours_##name(const double* a, Index m, Index k, const double* b, double* out) {                 \
-    add_product_of_fours_with<Registers>(a, m, k, b, out);                                                                    \
-  }                                                                                                                           \
-  machine void add_dots_##name(const double* a, Index m, Index n, const double* x, double* out) {                             \
-    add_dots_with<Registers>(a, m, n, x, out);                                                                                \
-  }                                                                                                                           \
-  machine bool factor_symmetric_##name(double* a, Index n, double least) {                                                    \
-    return factor_symmetric_with<Registers>(a, n, least);                                                                     \
-  }                                                                                                                           \
-  constexpr Products name = {reflect_columns_##name,      add_gram_##name, subtract_gram_##name,   multiply_four_##name,      \
+#define TRIPATCH_PRODUCTS(name, Registers, machine)                                                                         \
+  machine void add_gram_##name(const double* a, Index m, Index n, double* c) {                                              \
+    add_gram_with<Registers, false>(a, m, n, 0, 1, c);                                                                      \
+  }                                                                                                                         \
+  machine void reflect_columns_##name(double* a, Index m, Index n) { reflect_columns_with<Registers>(a, m, n); }            \
+  machine void subtract_gram_##name(const double* u, Index count, Index n, Index begin, double* c) {                        \
+    add_gram_with<Registers, true>(u, count, n, begin, -1, c);                                                              \
+  }                                                                                                                         \
+  machine void multiply_four_##name(const double* a, Index k, const double* b, Index n, double* out, Index stride) {        \
+    if (n >= Registers::max_columns) return multiply_four_with<Registers, Registers::max_columns>(a, k, b, n, out, stride); \
+    multiply_four_with<Registers, 8>(a, k, b, n, out, stride);                                                              \
+  }                                                                                                                         \
+  machine void add_product_of_fours_##name(const double* a, Index m, Index k, const double* b, double* out) {               \
+    add_product_of_fours_with<Registers>(a, m, k, b, out);                                                                  \
+  }                                                                                                                         \
+  machine void add_dots_##name(const double* a, Index m, Index n, const double* x, double* out) {                           \
+    add_dots_with<Registers>(a, m, n, x, out);                                                                              \
+  }                                                                                                                         \
+  machine bool factor_symmetric_##name(double* a, Index n, double least) {                                                  \
+    return factor_symmetric_with<Registers>(a, n, least);                                                                   \
+  }                                                                                                                         \
+  constexpr Products name = {reflect_columns_##name,      add_gram_##name, subtract_gram_##name,   multiply_four_##name,    \
                              add_product_of_fours_##name, add_dots_##name, factor_symmetric_##name};
 
 TRIPATCH_PRODUCTS(any_machine, AnyRegisters, )
@@ -229,7 +229,7 @@ TRIPATCH_PRODUCTS(any_machine, AnyRegisters, )
 /// Registers of `width` doubles, which the compiler does not find by itself everywhere.
 template <Index Width, Index ProductRows, Index ProductColumns>
 struct VectorRegisters {
-  static constexpr Index rows = ProductRows, columns = 8, most_columns = ProductColumns;
+  static constexpr Index rows = ProductRows, columns = 8, max_columns = ProductColumns;
   using OfFour = VectorRegisters<4, 4, 8>;
   typedef double Vector __attribute__((vector_size(8 * Width), aligned(8), may_alias));
 

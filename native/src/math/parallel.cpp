@@ -98,8 +98,8 @@ public:
 
   void begin(Job& job) {
     const std::lock_guard lock(mutex_);
-    const Index wanted = std::min(job.options_.most_helpers, job.count_);
-    const Index most = std::max<Index>(max_threads(), job.options_.most_helpers);
+    const Index wanted = std::min(job.options_.max_helpers, job.count_);
+    const Index most = std::max<Index>(max_threads(), job.options_.max_helpers);
     for (Index idle = threads_ - at_work_; idle < wanted && threads_ < most; ++idle, ++threads_)
       std::thread([this] { work(); }).detach();
     jobs_.push_back(&job);
@@ -128,7 +128,7 @@ public:
 private:
   Job* next_job() {
     for (Job* job : jobs_)
-      if (job->helpers_ < job->options_.most_helpers && job->next_ < job->count_) return job;
+      if (job->helpers_ < job->options_.max_helpers && job->next_ < job->count_) return job;
     return nullptr;
   }
 
@@ -246,7 +246,7 @@ void parallel_for_each(std::size_t count, const std::function<void(std::size_t)>
     }
   };
   const Index helpers = is_inner ? 0 : max_threads();
-  Job(static_cast<Index>(count), piece, {.most_helpers = helpers, .serial = count > 1, .cancel = &stop}).finish(is_inner, tell);
+  Job(static_cast<Index>(count), piece, {.max_helpers = helpers, .serial = count > 1, .cancel = &stop}).finish(is_inner, tell);
   progress(done);
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 /// Distance from a center at which derivatives are taken that have no limit there.
 constexpr double beside_center = 1e-7;
-constexpr double least_square = std::numeric_limits<double>::min();
+constexpr double min_square = std::numeric_limits<double>::min();
 
 /// Of u^i v^j among monomials up to a degree.
 int monomial_row(int degree, int i, int j) { return i * (degree + 1) - i * (i - 1) / 2 + j; }
@@ -57,7 +57,7 @@ Eigen::MatrixXd polyharmonic_kernel(double order, const PlaneDistances& apart) {
   if (e % 2 == 1)
     kernel = root.matrix();
   else
-    kernel = (polyharmonic_factor(e) * s.max(least_square).log()).matrix();
+    kernel = (polyharmonic_factor(e) * s.max(min_square).log()).matrix();
   for (int k = 0; k < e / 2; ++k) kernel.array() *= s;
   return kernel;
 }
@@ -126,7 +126,7 @@ void PolyharmonicSum::values_at(const PlanePoints& at, Index first, double* out)
   }
 #endif
   if (!added) add_terms(odd_, x, y, [](const Values& square) { return Values(square.sqrt()); }, sum);
-  if (!even_.empty()) add_terms(even_, x, y, [](const Values& square) { return Values(square.max(least_square).log()); }, sum);
+  if (!even_.empty()) add_terms(even_, x, y, [](const Values& square) { return Values(square.max(min_square).log()); }, sum);
   const Index count = std::min<Index>(Lanes, at.rows() - first);
   for (Index k = 0; k < count; ++k)
     for (int axis = 0; axis < 3; ++axis) out[3 * (first + k) + axis] = sum[axis][k];
@@ -199,7 +199,7 @@ void PolyharmonicSum::derivatives_at(const PlanePoints& at, Index first, double*
       const auto bend = [&] {
         return Values(4 * times(half * (half - 1) * apart.log() + (2 * half - 1), apart, half - 1) / apart);
       };
-      add(term, times(square.max(least_square).log(), square, half), 2 * slope, bend);
+      add(term, times(square.max(min_square).log(), square, half), 2 * slope, bend);
     }
   }
   const Index count = std::min<Index>(Lanes, at.rows() - first);

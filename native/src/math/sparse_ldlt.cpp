@@ -12,12 +12,12 @@
 namespace tripatch {
 namespace {
 
-constexpr int most_together = 8;
+constexpr int max_together = 8;
 
 /// Columns of the factor from the rows on that they have in common, and what they are multiplied by.
 struct Columns {
-  std::array<const double*, most_together> values;
-  std::array<double, most_together> times;
+  std::array<const double*, max_together> values;
+  std::array<double, max_together> times;
 };
 
 /// y less N columns, from `first` of their rows on.
@@ -59,7 +59,7 @@ void subtract_columns(double* y, const Columns& columns, const int* rows, int si
 
 constexpr std::array subtract_any_columns = {subtract_columns<1>, subtract_columns<2>, subtract_columns<3>, subtract_columns<4>,
                                              subtract_columns<5>, subtract_columns<6>, subtract_columns<7>, subtract_columns<8>};
-static_assert(subtract_any_columns.size() == most_together);
+static_assert(subtract_any_columns.size() == max_together);
 
 }  // namespace
 
@@ -104,7 +104,7 @@ void SparseLdlt::factorize_ordered(const CholMatrixType& ordered) {
     while (top < size) {
       const int first = pattern[top];
       int count = 1;
-      while (count < most_together && top + count < size && pattern[top + count] == first + count && goes_on(first + count - 1))
+      while (count < max_together && top + count < size && pattern[top + count] == first + count && goes_on(first + count - 1))
         ++count;
       Columns columns = {};
       for (int c = 0; c < count; ++c) {

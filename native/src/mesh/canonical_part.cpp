@@ -17,7 +17,7 @@ using RimLoop = std::vector<Index>;
 /// Rings whose vertices are looked at where the rim alone does not tell its beginnings apart, before all that is known is.
 constexpr int near_rings = 2;
 /// Vertices next to beginnings that are looked at so, at most: 0.3 s. Where there are more only those of so many rings as that allows are.
-constexpr Index most_compared = 200'000'000;
+constexpr Index max_compared = 200'000'000;
 
 /// Gives out numbers from the loops on, the faces around each vertex in the order in which they follow each other.
 class Walk {
@@ -122,7 +122,7 @@ std::vector<Beginning> beginnings_of(const Mesh& mesh, const Connectivity& aroun
   for (const RimLoop& loop : loops) {
     Beginnings choice(mesh.vertices(loop, Eigen::all), out.empty() ? std::nullopt : std::optional(out[0].backwards));
     choice.compare_along();
-    const Index most = most_compared / static_cast<Index>(loop.size());
+    const Index most = max_compared / static_cast<Index>(loop.size());
     const auto compare_with_rings = [&](Index rings) {
       RimLoop near;
       for (const RimLoop& ring : rings_around(around, all, static_cast<int>(rings)).vertices)

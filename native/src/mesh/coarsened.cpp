@@ -15,10 +15,10 @@ namespace tripatch {
 namespace {
 
 /// Of the angle by which a triangle may turn: below the 60 degrees from which on fills count as folded at neighbors.
-constexpr double least_cosine = 0.5;
-constexpr Index least_loop = 8;  ///< vertices that a border loop keeps: a round island is still round
-constexpr int most_levels = 12;  ///< of lengths, each twice the one before
-constexpr Index often = 4096;    ///< vertices between two looks for an interruption
+constexpr double min_cosine = 0.5;
+constexpr Index min_loop = 8;   ///< vertices that a border loop keeps: a round island is still round
+constexpr int max_levels = 12;  ///< of lengths, each twice the one before
+constexpr Index often = 4096;   ///< vertices between two looks for an interruption
 
 class Collapsing {
 public:
@@ -48,7 +48,7 @@ public:
     for (const std::array<Index, 3>& t : triangles_)
       for (int k = 0; k < 3; ++k) shortest = std::min(shortest, (points_.row(t[k]) - points_.row(t[(k + 1) % 3])).norm());
     int level = 0;
-    while (level < most_levels && clearly_less(shortest, std::ldexp(length_, -level - 1))) ++level;
+    while (level < max_levels && clearly_less(shortest, std::ldexp(length_, -level - 1))) ++level;
     for (; level > 0; --level) sweep(std::ldexp(length_, -level));
     while (sweep(length_)) continue;
   }
@@ -129,7 +129,7 @@ private:
   /// Leaves the triangles at `gone`.
   bool may_go(Index kept, Index gone) {
     if (fixed_[gone]) return false;
-    if (loop_[gone] >= 0 && (loop_[kept] != loop_[gone] || left_[loop_[gone]] <= least_loop)) return false;
+    if (loop_[gone] >= 0 && (loop_[kept] != loop_[gone] || left_[loop_[gone]] <= min_loop)) return false;
     mark(kept);
     Index shared = 0, common = 0;
     for (Index t : around(gone)) {
@@ -153,7 +153,7 @@ private:
       const Vec3 before = normal(turned);
       std::replace(turned.begin(), turned.end(), gone, kept);
       const Vec3 after = normal(turned);
-      if (!(after.dot(before) > least_cosine * after.norm() * before.norm())) return false;
+      if (!(after.dot(before) > min_cosine * after.norm() * before.norm())) return false;
     }
     first_[gone] = none;
     for (Index t : at_) {

@@ -45,7 +45,7 @@ std::vector<char> marked_faces(const FacesRef& faces, std::span<const Index> rep
 
 /// Of the box around a rim: what is looked at next to it at least, so that a surface that bends away is still seen. Nothing but time
 /// depends on it, as long as the rings lie inside.
-constexpr double least_margin = 0.3;
+constexpr double min_margin = 0.3;
 
 /// Vertices in a box around some of them: as wide as they lie apart, and several rings of their edges.
 std::vector<char> vertices_near(const Mesh& mesh, std::span<const Index> vertices, int rings) {
@@ -58,7 +58,7 @@ std::vector<char> vertices_near(const Mesh& mesh, std::span<const Index> vertice
     if (k > 0) longest = std::max(longest, (p - Vec3(mesh.vertices.row(vertices[k - 1]))).norm());
   }
   // twice the width of a ring as wide as the longest edge, for the faces behind may be larger
-  const double margin = std::max(least_margin * (high - low).norm(), 2 * rings * longest);
+  const double margin = std::max(min_margin * (high - low).norm(), 2 * rings * longest);
   low.array() -= margin;
   high.array() += margin;
   std::vector<char> near(mesh.vertices.rows());

@@ -55,13 +55,13 @@ void DomainMesh::bound_triangles(double count, double edges, std::optional<int> 
   if (resolution) {
     const double asked = per_squared_resolution * *resolution * *resolution + edges;
     bound = far_too_many * asked;
-    most = most_over * asked;
+    most = max_over * asked;
   } else {
     bound = triangles_per_squared_edge * edges * edges;
-    most = std::min(std::max(most_triangles, 4 * edges), bound / 2);
+    most = std::min(std::max(max_triangles, 4 * edges), bound / 2);
   }
   if (count > most) coarser_ = std::sqrt(count / most);
-  most_ = std::min(most_over * (std::min(count, most) + edges), bound);
+  most_ = std::min(max_over * (std::min(count, most) + edges), bound);
 }
 
 int DomainMesh::add_vertex(const Vec3& b, const Vec3& x) {

@@ -15,7 +15,7 @@ namespace {
 /// sides of a wavy saddle move by up to 1e-3 and 2e-4 of the diameter, of the second by 9e-3 and 4e-3.
 constexpr int sweeps_on_surface = 10, sweeps_of_angles = 20;
 /// These again, while an angle is no good and becomes better. A choice.
-constexpr int most_rounds = 6;
+constexpr int max_rounds = 6;
 
 Points surface_rows(const PlanePoints& uv) {
   Points rows = Points::Zero(uv.rows(), 3);
@@ -144,7 +144,7 @@ std::optional<Points> smoothed_at(PlaneLayout& layout, const Surface& patch, con
     smooth_quads(trial, sweeps_on_the_way, 0, &patch, &border, held);
   }
   Points vertices = smoothed_on(trial, patch, border, held);
-  if (!(quad_quality(vertices, trial.faces).least >= least_sine)) return {};
+  if (!(quad_quality(vertices, trial.faces).least >= min_sine)) return {};
   layout = std::move(trial);
   return vertices;
 }
@@ -154,7 +154,7 @@ std::optional<Points> smoothed_at(PlaneLayout& layout, const Surface& patch, con
 Points smoothed_on(PlaneLayout& layout, const Surface& patch, const Points& border, const std::vector<Index>& held) {
   Points best = on_surface(layout, patch, border);
   double least = quad_quality(best, layout.faces).least, before = -INFINITY;
-  for (int round = 0; round == 0 || (round < most_rounds && least < least_sine && least > before); ++round) {
+  for (int round = 0; round == 0 || (round < max_rounds && least < min_sine && least > before); ++round) {
     before = least;
     for (const auto& [sweeps, sharpening] : {std::array<int, 2>{sweeps_on_surface, 0}, {0, sweeps_of_angles}}) {
       PlaneLayout trial = layout;
@@ -216,7 +216,7 @@ PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& poin
   cover.rim = rim.rows();
   // rows along the rim put two quads into each corner: none is added that is not asked for
   const bool as_rim = !options.tolerance && corners.empty();
-  const int first = options.rows.value_or(0), last = options.rows || !(options.tolerance || as_rim) ? first : most_extra_rows;
+  const int first = options.rows.value_or(0), last = options.rows || !(options.tolerance || as_rim) ? first : max_extra_rows;
   bool near = false, meets = met.empty();
   for (int rows = first; rows <= last && !(near && (meets || as_rim)); ++rows) {
     PlaneLayout layout = polygon_layout(halved ? with_middle(rim, place) : rim, corners, rows);

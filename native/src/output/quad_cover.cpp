@@ -59,7 +59,7 @@ Cover cover_with_quads(const Mesh& mesh, const Hole& hole, std::array<std::vecto
   }
   Cover plain;
   std::optional<double> tolerance = options.tolerance;
-  const int first = options.rows.value_or(0), last = options.rows.value_or(most_extra_rows);
+  const int first = options.rows.value_or(0), last = options.rows.value_or(max_extra_rows);
   for (int rows = first; rows <= last; ++rows) {
     QuadLayout layout = quad_layout(parameters, rows, options.pole_offset);
     cover.barycentric = std::move(layout.barycentric);

@@ -16,7 +16,7 @@ namespace {
 
 /// Shapes (1: equilateral) of the grid's worst triangle below which remeshing does better: it reaches 0.2 and more in rims that the grid
 /// squeezes so far (the rims of test_triangulate). In the domain the patch may stretch them back; in space nothing does.
-constexpr double least_shape_in_domain = 0.1, least_shape_in_space = 0.2;
+constexpr double min_shape_in_domain = 0.1, min_shape_in_space = 0.2;
 
 /// So many of the grid are worth a thread: each takes some 20 ns.
 constexpr Index grid_points_a_thread = 1500;
@@ -100,7 +100,7 @@ bool fits_in_domain(const TriangleMesh& mesh) {
     const InPlane x(b + 3 * t[0]), y(b + 3 * t[1]), z(b + 3 * t[2]);
     const Vec3 u = y - x, v = z - x, w = z - y;
     const double area = u[1] * v[2] - u[2] * v[1];  // all three of u x v, whose shape() is 6 of them over the squares
-    return area > 0 && 6 * area >= least_shape_in_domain * (u.squaredNorm() + v.squaredNorm() + w.squaredNorm());
+    return area > 0 && 6 * area >= min_shape_in_domain * (u.squaredNorm() + v.squaredNorm() + w.squaredNorm());
   });
 }
 
@@ -112,7 +112,7 @@ bool fits_in_space(const TriangleMesh& mesh, Index n, const Surface& patch) {
   for (Index q = 0; q <= rows; ++q)
     for (Index p = 0; p + q <= rows; ++p) b.row(grid.at(p, q)) = mesh.barycentric.row(grid_vertex(n, stride * p, stride * q));
   const Points x = patch.positions(b);
-  auto squeezed = [&](Index a, Index c, Index d) { return shape(x.row(a), x.row(c), x.row(d)) < least_shape_in_space; };
+  auto squeezed = [&](Index a, Index c, Index d) { return shape(x.row(a), x.row(c), x.row(d)) < min_shape_in_space; };
   for (Index q = 0; q < rows; ++q)
     for (Index p = 0; p + q < rows; ++p) {
       const bool corner = p + q == 0 || p + 1 == rows || q + 1 == rows;

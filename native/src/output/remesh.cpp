@@ -20,11 +20,11 @@ namespace {
 
 using VertexPair = std::array<int, 2>;
 
-constexpr int most_sources = 200;  // of rim sizes: longer rims count by runs of edges
-constexpr int most_passes = 60;    // a rim of 10,000 edges needs 25
+constexpr int max_sources = 200;  // of rim sizes: longer rims count by runs of edges
+constexpr int max_passes = 60;    // a rim of 10,000 edges needs 25
 constexpr int careful_passes = 2;
 constexpr double beside_edge = 1e-6;  // of the domain's size: a place so near to an edge of a triangle is on it
-constexpr double least_move = 0.03;   // of the size: smaller moves are not worth an evaluation
+constexpr double min_move = 0.03;     // of the size: smaller moves are not worth an evaluation
 
 VertexPair ordered(Index a, Index b) { return {static_cast<int>(std::min(a, b)), static_cast<int>(std::max(a, b))}; }
 
@@ -65,7 +65,7 @@ std::vector<VertexPair> border_edges(const PlanePolygon& p) {
 class Sizes {
 public:
   Sizes(const PlanePolygon& p, std::optional<int> resolution) : border_(border_edges(p)) {
-    const Index n = static_cast<Index>(border_.size()), run = std::max<Index>(1, (n + most_sources - 1) / most_sources);
+    const Index n = static_cast<Index>(border_.size()), run = std::max<Index>(1, (n + max_sources - 1) / max_sources);
     u_.setZero((n + run - 1) / run);
     v_ = weight_ = log_size_ = soft_ = u_;
     const Vec2 low = p.uv.colwise().minCoeff(), high = p.uv.colwise().maxCoeff();
@@ -159,7 +159,7 @@ public:
     look_at_all();
     flip_all();
     int nearly_done = 0;
-    for (int pass = 0; pass < most_passes; ++pass) {
+    for (int pass = 0; pass < max_passes; ++pass) {
       limit_sizes();
       crease_halved_ = false;
       const std::size_t splits = split();
@@ -340,7 +340,7 @@ private:
     for (int v = given_; v < static_cast<int>(b_.size()); ++v) {
       if (triangle_of_[v] < 0 || is_fixed(v)) continue;
       const std::optional<Way> way = way_of(v);
-      if (!way || clearly_less(way->in_space.norm(), least_move * size_[v])) continue;
+      if (!way || clearly_less(way->in_space.norm(), min_move * size_[v])) continue;
       auto [step, in_space] = *way;
       for (int attempt = 0; attempt < 4; ++attempt, step *= 0.5, in_space *= 0.5) {
         const Vec3 b = b_[v] + Vec3(0, step[0], step[1]);

@@ -121,8 +121,8 @@ void turn_evenly(const Side& side, PolygonRibbon& ribbon) {
 
 SideList closed(SideList sides) {
   const int n = static_cast<int>(sides.size());
-  if (n < 2 || n > most_sides)
-    throw InvalidArgument("a patch has from 2 to " + std::to_string(most_sides) + " sides; " + std::to_string(n) + " are given");
+  if (n < 2 || n > max_sides)
+    throw InvalidArgument("a patch has from 2 to " + std::to_string(max_sides) + " sides; " + std::to_string(n) + " are given");
   const double size = size_of(sides);
   if (!(size > 0)) throw CodedRefusal(Code::sides_without_length);
   if (!std::isfinite(size)) throw CodedRefusal(Code::numbers_overflow);

@@ -17,14 +17,14 @@ double cross(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
 
 /// A corner that turns by less is seen as one that does (radians; 12 degrees): two sides nearly on one line have no parameters, and a
 /// regular polygon of twelve sides turns by 30.
-constexpr double least_turn = 0.2;
+constexpr double min_turn = 0.2;
 /// And by more: 150 degrees, a corner of 30.
-constexpr double most_turn = 2.6;
+constexpr double max_turn = 2.6;
 /// A corner of a lens is no wider (radians; 103 degrees): higher ones crowd their parameters at the corners (of lenses with corners of
 /// 128 to 170 degrees on spheres, tori and saddles those with 120 were filled twice as far off).
 constexpr double widest_corner = 1.8;
 /// A side of the domain is no shorter than this share of the hole's own: else the angles give way.
-constexpr double least_length = 0.4;
+constexpr double min_length = 0.4;
 /// Of the mean length: shorter sides of a hole are drawn as long, for their parameters would crowd. A choice.
 constexpr double shortest_side = 0.25;
 /// Sine of the turn of a corner from which on a polygon that is given is convex there: what turns less has no parameters to speak of.
@@ -57,7 +57,7 @@ void check_measured(const std::vector<double>& measured) {
 
 PolygonDomain::PolygonDomain(std::vector<Vec2> corners) : corners_(std::move(corners)) {
   const int n = sides();
-  if (n < 3 || n > most_sides) throw InvalidArgument("a polygon has from 3 to " + std::to_string(most_sides) + " corners");
+  if (n < 3 || n > max_sides) throw InvalidArgument("a polygon has from 3 to " + std::to_string(max_sides) + " corners");
   for (int i = 0; i < n; ++i) {
     const Vec2 along = (corner(i + 1) - corner(i)).normalized();
     inward_.emplace_back(-along[1], along[0]);
@@ -112,7 +112,7 @@ Vec2 PolygonDomain::kept_inside(Vec2 p, double margin) const {
 
 PolygonDomain lens_like(const std::vector<double>& turns) {
   check_measured(turns);
-  const double turn = std::clamp(0.5 * (turns[0] + turns[1]), std::numbers::pi - widest_corner, most_turn);
+  const double turn = std::clamp(0.5 * (turns[0] + turns[1]), std::numbers::pi - widest_corner, max_turn);
   const double height = 0.5 * std::tan(0.5 * (std::numbers::pi - turn));  // over half the length
   const PolygonDomain unit = PolygonDomain::lens(2, height);
   double length = 0;
@@ -132,7 +132,7 @@ PolygonDomain polygon_like(std::vector<double> turns, const std::vector<double>&
   for (int round = 0; round < 60; ++round) {  // a whole turn, each within its bounds
     double sum = 0;
     for (double& t : turns) {
-      t = std::clamp(t, std::min(least_turn, equal), most_turn);
+      t = std::clamp(t, std::min(min_turn, equal), max_turn);
       sum += t;
     }
     for (double& t : turns) t *= 2 * std::numbers::pi / sum;
@@ -145,7 +145,7 @@ PolygonDomain polygon_like(std::vector<double> turns, const std::vector<double>&
     for (double l : lengths) wanted.push_back(attempt < 8 ? l : 1);
     closed = closing_lengths(now, wanted);
     bool good = true;
-    for (std::size_t i = 0; i < n; ++i) good = good && closed[static_cast<Index>(i)] > least_length * wanted[i];
+    for (std::size_t i = 0; i < n; ++i) good = good && closed[static_cast<Index>(i)] > min_length * wanted[i];
     if (!good) continue;
     turns = now;
     break;

@@ -28,12 +28,12 @@ constexpr double parameter_rounds = 4 * std::numeric_limits<double>::epsilon();
 /// A side whose speed falls below this share of its length somewhere is run through by length: the derivative across it that its ends
 /// ask for counts in its speed. Between three and four sides of spheres and saddles, one of which slows down evenly, patches are up to
 /// 1e-5 of the size off from 0.3 on, 1e-4 at 0.1, the size itself at 0.01 and ten thousand times the size at 0.0001.
-constexpr double least_speed = 0.25;
+constexpr double min_speed = 0.25;
 constexpr int speed_places = 64;  ///< where speeds are looked at; the ends are two of them
 /// The logarithm of a side's speed may change at this rate (over the whole side) at most, else all sides of a patch are run through by
 /// length. Of 29 faces of CAD files, with the faces' own planes, the 18 with faster sides came 0.4 to 290 times as near by length, 3.4 times
 /// in the geometric mean; quadrangles on known surfaces between lines of their charts, which are slower, 0.9 times.
-constexpr double most_change = 0.45;
+constexpr double max_change = 0.45;
 /// Of a piece, from an end without speed, where planes are read instead: by length that is the square of it.
 constexpr double beside_still = 1e-6;
 
@@ -43,12 +43,12 @@ std::array<double, speed_places + 1> speeds(const PiecewisePolynomial& c) {
   return speed;
 }
 
-bool nearly_stands_still(const PiecewisePolynomial& c) { return std::ranges::min(speeds(c)) < least_speed * arc_length(c); }
+bool nearly_stands_still(const PiecewisePolynomial& c) { return std::ranges::min(speeds(c)) < min_speed * arc_length(c); }
 
 bool changes_speed(const PiecewisePolynomial& c) {
   const auto speed = speeds(c);
   for (int k = 0; k < speed_places; ++k)
-    if (!(std::abs(std::log(speed[k + 1] / speed[k])) * speed_places <= most_change)) return true;
+    if (!(std::abs(std::log(speed[k + 1] / speed[k])) * speed_places <= max_change)) return true;
   return false;
 }
 

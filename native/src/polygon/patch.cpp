@@ -132,8 +132,8 @@ void measure_seam(const SideList& given, PolygonPatch& made) {
 
 /// Where the patch comes nearest to a point: Gauss-Newton from the nearest place of a grid, kept off the border.
 Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3& point) {
-  constexpr double least_share = 0.02;  // of the radius, from each side: what is added vanishes there
-  constexpr double least_step = 1e-3;   // of a Newton step: where less of it stays inside, the place is at the border
+  constexpr double min_share = 0.02;  // of the radius, from each side: what is added vanishes there
+  constexpr double min_step = 1e-3;   // of a Newton step: where less of it stays inside, the place is at the border
   const Points grid = polygon_grid(domain, 12);
   const Points at = patch.positions(grid);
   Index best = 0;
@@ -141,15 +141,15 @@ Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3
   Vec2 place = grid.row(best).head<2>();
   const auto inside = [&](const Vec2& p) {
     for (int i = 0; i < domain.sides(); ++i)
-      if (domain.phi(i, p) < least_share * domain.radius()) return false;
+      if (domain.phi(i, p) < min_share * domain.radius()) return false;
     return true;
   };
   for (int step = 0; step < 8; ++step) {
     const Vec2 move = foot_at(patch, place, point).step;
     if (!move.allFinite()) break;
     double share = 1;
-    while (share > least_step && !inside(place + share * move)) share /= 2;
-    if (share <= least_step) break;
+    while (share > min_step && !inside(place + share * move)) share /= 2;
+    if (share <= min_step) break;
     place += share * move;
   }
   while (!inside(place)) place += 0.1 * (domain.center() - place);

@@ -28,7 +28,7 @@ constexpr double first_counts = 1;  ///< with 0 heights of funnels' caps are lef
 constexpr double no_blunt_quadric = 0.05, blunt_quadric = 0.15;
 /// What a mesh does not know of the curvature counts as this share of it at most, or spheres would do for cones; or as that share of the
 /// meridian's own, of which a cone has none. Of blunt quadrics with rims of 12 and 16 edges caps come up to ten times as near so.
-constexpr double most_unknown = 0.05, most_unknown_of_bend = 0.2;
+constexpr double max_unknown = 0.05, max_unknown_of_bend = 0.2;
 /// Of the jump that sides of other patches are followed to: a rim is all that is known here, and its curvature is met. With the whole of it a
 /// shallow cap is a sphere's, which has no variation at all, and funnels' caps below -35 degrees jump from one valley to another.
 constexpr double jump_share = 0.3;
@@ -36,7 +36,7 @@ constexpr double difference_step = 1e-5;  ///< of unknowns, over the radius: res
 /// Where descent ends: at an energy that is none (a hundred times as much leaves caps of spheres 1e-7 of the radius off, this 7e-8), after
 /// so many steps (30 do on spheres, to 2e-8), or with a step that gains less (a hundred times as much changes no cap by 1e-9).
 constexpr double energy_of_none = 1e-10;
-constexpr int most_profile_steps = 100;
+constexpr int max_profile_steps = 100;
 constexpr double last_profile_gain = 1e-9;
 
 using Monomials = std::vector<double>;
@@ -142,7 +142,7 @@ void Profile::want_curvature(const RoundBase& base, const Eigen::Matrix3d& frame
   bend_ = radius_ * normal.dot(Vec2(bend.row(1).dot(frame.col(0)), bend.row(0).dot(frame.col(2))));
   const double parallel = -normal[0], squares = bend_ * bend_ + parallel * parallel + flat_curvature(diameter_);
   const double unknown = tolerated_deviations * base.side.curvature_error * radius_;
-  const double most = std::max(most_unknown * std::sqrt(squares), most_unknown_of_bend * std::abs(bend_));
+  const double most = std::max(max_unknown * std::sqrt(squares), max_unknown_of_bend * std::abs(bend_));
   tolerated_ = Vec2(jump_share * curvature_jump * std::sqrt(squares), std::min(unknown, most)).stableNorm();
   const double sure = std::copysign(std::max(std::abs(bend_) - base.side.curvature_error * radius_, 0.0), bend_);
   quadric_counts_ = quadrics_count(sure * parallel / squares);
@@ -151,7 +151,7 @@ void Profile::want_curvature(const RoundBase& base, const Eigen::Matrix3d& frame
 Profile::Value Profile::at(const Eigen::VectorXd& y) const {
   Value v;
   const double change = 1 + y[0];
-  if (!at_least(change, least_alpha_kept) || !at_least(most_slope, change)) return v;
+  if (!at_least(change, min_alpha_kept) || !at_least(max_slope, change)) return v;
   const Eigen::VectorXd all = map_.col(0) + map_.rightCols(profile_unknowns) * y;
   const Index nodes = static_cast<Index>(weight_.size());
   v.parts = {Eigen::VectorXd(2 * nodes), Eigen::VectorXd(3 * nodes), Eigen::VectorXd::Zero(1), Eigen::VectorXd(2 * nodes),
@@ -203,7 +203,7 @@ Eigen::VectorXd Profile::step(const Eigen::VectorXd& y, const Value& v, double d
   for (int round = 0; round < 4; ++round) {
     Value there = v;
     for (int p : {0, 1, 3, 4})
-      there.squares[p] = std::max({(v.parts[p] + slopes[p] * change).squaredNorm(), least_left * v.squares[p], no_energy});
+      there.squares[p] = std::max({(v.parts[p] + slopes[p] * change).squaredNorm(), min_left * v.squares[p], no_energy});
     weigh(there);
     const std::array<double, 5> weight = {(1 - there.share) / there.squares[0], there.share / there.squares[1], 1,
                                           parameterization_counts / there.squares[3], first_counts / there.squares[4]};
@@ -246,7 +246,7 @@ std::optional<std::vector<Harmonic>> fairest_of_revolution(const RoundBase& base
   Profile::Value value = profile.at(y);
   if (!std::isfinite(value.log)) return {};
   double damping = 1e-3;
-  for (int step = 0; step < most_profile_steps && value.energy > energy_of_none; ++step) {
+  for (int step = 0; step < max_profile_steps && value.energy > energy_of_none; ++step) {
     double gain = 0;
     for (int attempt = 0; attempt < 10 && gain == 0; ++attempt) {
       const Eigen::VectorXd change = profile.step(y, value, damping);

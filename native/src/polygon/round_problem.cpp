@@ -250,8 +250,8 @@ double RoundProblem::reach(const Eigen::VectorXd& x) const {
   for (int k = 0; k < 64; ++k) {
     double change = 0;
     for (int m = 0; m < options_.slopes; ++m) change += scale_[0] * x[scalars() + m] * value_of(space_.waves[m], k / 64.0);
-    if (!(change >= 0)) most = std::min(most, -(1 - least_alpha_kept) * of_.alpha / change);
-    if (change > 0) most = std::min(most, (most_slope - 1) * of_.alpha / change);
+    if (!(change >= 0)) most = std::min(most, -(1 - min_alpha_kept) * of_.alpha / change);
+    if (change > 0) most = std::min(most, (max_slope - 1) * of_.alpha / change);
   }
   return most;
 }

@@ -27,23 +27,23 @@ PiecewisePolynomial hermite(const std::array<Vec3, 2>& value, const std::array<V
 
 /// Of the longer derivative along the two sides at a corner: a larger twist is that of a hook, a side that turns within a small part of
 /// its length, and says nothing of the patch away from it.
-constexpr double most_twist = 4;
+constexpr double max_twist = 4;
 /// What is left of it then dies away along the side so fast that it comes to this share of that derivative, or as fast as this degree
 /// lets it.
-constexpr double most_left = 0.2;
+constexpr double max_left = 0.2;
 constexpr int fastest_degree = 40;
 
 /// Where the two sides at a corner twist by a and b, one of which may hook there: then nearer to the lesser, at most twice as much.
 /// size: the longer derivative along them.
 Vec3 twist_between(const Vec3& a, const Vec3& b, double size) {
-  if (std::max(a.norm(), b.norm()) <= most_twist * size) return 0.5 * (a + b);
+  if (std::max(a.norm(), b.norm()) <= max_twist * size) return 0.5 * (a + b);
   const Vec3 twist = (b.norm() * a + a.norm() * b) / (a.norm() + b.norm());
-  return std::min(1.0, most_twist * size / twist.norm()) * twist;
+  return std::min(1.0, max_twist * size / twist.norm()) * twist;
 }
 
 /// Nothing at both ends but this derivative at 0 (or at 1), and dying away from there: of degree 3, but where it is large.
 PiecewisePolynomial dying(const Vec3& derivative, bool at_start, double size) {
-  const double peak = derivative.norm() / (std::numbers::e * most_left * size);
+  const double peak = derivative.norm() / (std::numbers::e * max_left * size);
   const int degree = static_cast<int>(std::clamp(std::ceil(peak), 3.0, static_cast<double>(fastest_degree)));
   std::vector<double> net(3 * (degree + 1), 0.0);
   Vec3::Map(&net[at_start ? 3 : 3 * (degree - 1)]) = (at_start ? 1.0 : -1.0) / degree * derivative;

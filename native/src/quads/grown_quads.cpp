@@ -15,9 +15,9 @@ namespace tripatch {
 namespace {
 
 /// What is walked at most in trying: some milliseconds.
-constexpr Index most_work = 1'000'000;
+constexpr Index max_work = 1'000'000;
 /// Of a rim. The work for each quad grows with the edges of its front, and there are as many as the square of these: a fifth of a second.
-constexpr Index most_edges = 1000;
+constexpr Index max_edges = 1000;
 // Reported of 400 outlines is of ellipses and lobes of 6 to 29 edges that want corners at random: how many of them get a layout whose
 // least scaled Jacobian is 0.05 lower, and how many one that is 0.05 higher, or none and one.
 /// Quads in a rim of n edges, at most: n^2 over this, and four. Between four corners n^2 / 16 grow, between two n^2 / 8, on a ring of quads
@@ -26,16 +26,16 @@ constexpr Index most_edges = 1000;
 constexpr Index squared_edges_a_quad = 8, few_quads = 4;
 /// Poles that are planned, inside or on the rim; one more may follow from where a front closes. With two 113 of 400 lower, 1 higher; with four
 /// 5 and 71.
-constexpr int most_planned = 3;
+constexpr int max_planned = 3;
 /// Of a plane layout: with a larger least scaled Jacobian no more poles are tried. With 0.2 17 of 400 lower, with 0.45 17 higher.
 constexpr double good = 0.3;
 /// Of the logarithm of how many faces there are against squares of the rim's edges. A choice: a third more cost as much as a pole and a half.
 constexpr double crowding_price = 0.1;
 /// Of the layouts with as many poles, the best as they are embedded: those that are smoothed and compared. With two 5 of 400 lower, with eight
 /// 4 higher.
-constexpr std::size_t most_smoothed = 4;
+constexpr std::size_t max_smoothed = 4;
 /// Of those that are embedded, with as many poles. With 12 38 of 400 lower, 7 higher; with 48 6 and 39.
-constexpr std::size_t most_embedded = 24;
+constexpr std::size_t max_embedded = 24;
 
 /// A pole that is planned: on the rim, where a quad more or less than wanted is taken, or inside.
 struct PlannedPole {
@@ -45,7 +45,7 @@ struct PlannedPole {
 };
 
 /// Ways to turn the four corners of a round front that are tried: of a rim of up to 62 edges all. A choice.
-constexpr std::size_t most_turns = 16;
+constexpr std::size_t max_turns = 16;
 
 struct GrownCandidate {
   PlaneLayout layout;
@@ -70,7 +70,7 @@ private:
 class GrowthSearch {
 public:
   GrowthSearch(const PlanePoints& rim, const std::vector<int>& wanted)
-      : rim_(rim), wanted_(wanted), growth_(most_quads(rim.rows() + (is_odd() ? 1 : 0))) {
+      : rim_(rim), wanted_(wanted), growth_(max_quads(rim.rows() + (is_odd() ? 1 : 0))) {
     int turns = 0;
     for (const int quads : wanted) turns += 2 - quads;
     charge_ = 4 - turns - (is_odd() ? 1 : 0);
@@ -85,7 +85,7 @@ public:
   }
 
   std::optional<PlaneLayout> run() {
-    for (int planned = 0; planned <= most_planned; ++planned) {
+    for (int planned = 0; planned <= max_planned; ++planned) {
       try_all(planned);
       compare();
       if (best_ && best_least_ > good) break;
@@ -95,14 +95,14 @@ public:
   }
 
 private:
-  static Index most_quads(Index edges) { return edges * edges / squared_edges_a_quad + few_quads; }
+  static Index max_quads(Index edges) { return edges * edges / squared_edges_a_quad + few_quads; }
 
   std::vector<PlannedPole> choices() const {
     std::vector<PlannedPole> all;
     for (Index k = 0; k < rim_.rows(); ++k)
       for (const int change : {-1, 1})
         if (wanted_[static_cast<std::size_t>(k)] + change > 0) all.push_back({true, k, change});
-    for (Index k = 0; k < most_grown_; ++k)
+    for (Index k = 0; k < max_grown_; ++k)
       for (const int change : {-1, 1}) all.push_back({false, k, change});
     return all;
   }
@@ -113,14 +113,14 @@ private:
     const std::size_t count = all.size();
     double ways = 1;
     for (int k = 0; k < planned; ++k) ways *= static_cast<double>(count - static_cast<std::size_t>(k)) / (k + 1);
-    const Index until = work_ + (most_work - work_) / (most_planned + 1 - planned);
+    const Index until = work_ + (max_work - work_) / (max_planned + 1 - planned);
     const double a_way = static_cast<double>(rim_.rows() * rim_.rows()) / 4;
     const bool strewn = ways * a_way > static_cast<double>(until - work_);
     std::vector<std::size_t> chosen(static_cast<std::size_t>(planned));
     for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] = k;
     Strewn strewn_places;
     std::vector<PlannedPole> plan;
-    while (work_ < until && candidates_.size() < most_embedded) {
+    while (work_ < until && candidates_.size() < max_embedded) {
       if (strewn) {
         for (std::size_t& choice : chosen) choice = strewn_places.next(count);
         std::sort(chosen.begin(), chosen.end());
@@ -170,7 +170,7 @@ private:
     plan_.turn = 0;
     grow_planned(triangle, off);
     if (!growth_.was_round()) return;
-    const std::size_t half = plan_.wanted.size() / 2, step = std::max<std::size_t>(1, half / most_turns);
+    const std::size_t half = plan_.wanted.size() / 2, step = std::max<std::size_t>(1, half / max_turns);
     for (plan_.turn = step; plan_.turn < half; plan_.turn += step) grow_planned(triangle, off);
     plan_.ringed = true;
     plan_.turn = 0;
@@ -181,7 +181,7 @@ private:
   void grow_planned(std::optional<std::size_t> triangle, Index off) {
     const bool grown = growth_.run(plan_);
     work_ += growth_.work() + rim_.rows();
-    most_grown_ = std::max(most_grown_, growth_.grown());
+    max_grown_ = std::max(max_grown_, growth_.grown());
     if (!grown) return;
     GrownCandidate candidate;
     candidate.irregular = static_cast<double>(growth_.poles.size()) + static_cast<double>(off + growth_.off_on_rim());
@@ -222,7 +222,7 @@ private:
   void compare() {
     std::stable_sort(candidates_.begin(), candidates_.end(),
                      [](const GrownCandidate& a, const GrownCandidate& b) { return coarse(a.score) > coarse(b.score); });
-    if (candidates_.size() > most_smoothed) candidates_.resize(most_smoothed);
+    if (candidates_.size() > max_smoothed) candidates_.resize(max_smoothed);
     for (GrownCandidate& candidate : candidates_) {
       candidate.score = score_of_trial(candidate.layout, candidate.irregular) - crowding(candidate.layout.faces.size());
       if (best_ && !clearly_more(candidate.score, best_->score)) continue;
@@ -238,7 +238,7 @@ private:
   double squares_ = 1;
   AdvancingFront growth_;
   GrowthPlan plan_;
-  Index work_ = 0, most_grown_ = 0;
+  Index work_ = 0, max_grown_ = 0;
   std::vector<GrownCandidate> candidates_;
   std::optional<GrownCandidate> best_;
   double best_least_ = 0;
@@ -255,7 +255,7 @@ constexpr std::size_t kept_layouts_grown = 6;
 }  // namespace
 
 std::optional<PlaneLayout> grown_quads(const PlanePoints& rim, const std::vector<int>& wanted) {
-  if (rim.rows() < 3 || rim.rows() > most_edges) return {};
+  if (rim.rows() < 3 || rim.rows() > max_edges) return {};
   static Kept<std::optional<PlaneLayout>> last(kept_layouts_grown);
   Key key;
   for (const int quads : wanted) key.add(quads);

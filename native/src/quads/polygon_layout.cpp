@@ -20,7 +20,7 @@ constexpr std::size_t layouts_tried = 2, layouts_of_many_tried = 1;
 /// Of a rim: of more one layout is tried. Of 60 outlines of three to eight sides in 100 edges nine take the second, whose least scaled
 /// Jacobian is 0.05 higher in their mean; it costs as much as the first, half a thousand quads and more.
 constexpr Index many_edges = 100;
-constexpr Index most_round_starts = 32;  ///< places of a round rim from which a grid's corners are counted
+constexpr Index max_round_starts = 32;  ///< places of a round rim from which a grid's corners are counted
 constexpr Index edges_a_ring = 20;  ///< of a round rim: rings that are as wide as these would leave the grid's corners regular
 /// Cuts are sought at about so many places of a side, then moved edge by edge.
 constexpr Index places_on_side = 8;
@@ -211,7 +211,7 @@ std::optional<Plan> best_cut(const Region& region, Plan plan) {
 
 /// No corners: a ring of quads, and within it a grid whose four corners are poles of valence 3.
 std::vector<Plan> round_plans(const Region& region) {
-  const Index edges = region.edges(), half = edges / 2, step = std::max<Index>(1, half / most_round_starts);
+  const Index edges = region.edges(), half = edges / 2, step = std::max<Index>(1, half / max_round_starts);
   std::optional<Plan> best;
   for (Index from = 0; edges % 2 == 0 && from < half; from += step)
     for (Index a = std::max<Index>(1, half / 2 - half / 8); a <= half / 2 + half / 8 && a < half; ++a) {
@@ -375,7 +375,7 @@ std::vector<Choice> choices_of(const Region& region, const std::vector<RimCorner
 /// Extra rows with which layouts are tried; with more, what was the fairest with these is taken. Of 292 outlines of three to seven sides of 2
 /// to 8 edges, four rows: half are laid out otherwise than if they were chosen with four, and the least sine is less by .003 in their mean and
 /// by .05 at most (.004 and .05 with one; .019 where two rows are chosen with one).
-constexpr int most_rows_of_trials = 2;
+constexpr int max_rows_of_trials = 2;
 
 /// The plan of the fairest layout, and that one, of these rows.
 struct Chosen {
@@ -430,7 +430,7 @@ constexpr std::size_t kept_layouts = 6;
 
 PlaneLayout polygon_layout(const PlanePoints& rim, const std::vector<RimCorner>& corners, int rows) {
   static Kept<Chosen> last(kept_layouts);
-  const int tried = std::min(rows, most_rows_of_trials);
+  const int tried = std::min(rows, max_rows_of_trials);
   Key key;
   key.add(tried);
   for (const RimCorner& corner : corners) {

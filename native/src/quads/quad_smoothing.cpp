@@ -26,12 +26,12 @@ constexpr double spacing = 0.25;  ///< weight of the evenness, a choice
 /// Of the shortest edge at a vertex: no step is longer, beyond it the surface's second order says little (0 with half).
 constexpr double longest_step = 0.4;
 /// Of the larger eigenvalue of a Hessian: where the smaller one is less it becomes that share (0 with a tenth, 0 with half).
-constexpr double least_convex = 1e-3, made_convex = 0.1;
+constexpr double min_convex = 1e-3, made_convex = 0.1;
 constexpr int halvings = 6;  ///< of a Newton step that makes things worse, before it is left out (0 with three)
 /// Between two evaluations of the surface, whose second order is good for small moves (5e-5 with two).
 constexpr int sweeps_a_metric = 5;
 /// Of a mean corner's area: below it a corner counts as turned over and is pulled back by a smooth bound of that size (0 with a tenth).
-constexpr double least_area = 1e-3;
+constexpr double min_area = 1e-3;
 
 /// As sweeps of a cover, but of what is only compared: half of them take the same layouts of four to six sides of a saddle.
 constexpr int sweeps_of_trials = 4, angles_of_trials = 5;
@@ -281,7 +281,7 @@ public:
       if (surface_ && sweep > 0 && sweep % sweeps_a_metric == 0) read_surface();
       bound_ = 0;
       for (const Corner& corner : corners_)
-        if (area(corner) < least_area) bound_ = least_area;
+        if (area(corner) < min_area) bound_ = min_area;
       sharp_ = sweep >= sweeps && bound_ == 0;
       for (Index v = layout_.rim; v < layout_.uv.rows(); ++v)
         if (!held_[v]) move(v);
@@ -559,7 +559,7 @@ private:
     hessian << 2 * sum.uu, sum.uv, sum.uv, 2 * sum.vv;
     // made positive: a saddle's step would lead uphill
     const double mean = 0.5 * hessian.trace(), spread = Vec2(0.5 * (hessian(0, 0) - hessian(1, 1)), hessian(0, 1)).norm();
-    if (!(mean - spread > least_convex * (std::abs(mean) + spread)))
+    if (!(mean - spread > min_convex * (std::abs(mean) + spread)))
       hessian.diagonal().array() += spread - mean + made_convex * (std::abs(mean) + spread);
     Eigen::Vector2d step = -hessian.inverse() * gradient;
     if (!step.allFinite()) return;

@@ -16,9 +16,9 @@ namespace {
 
 /// An outer border that is shorter than this share of the rim closes again behind the hole: no plane holds both without squeezing
 /// one. At 0.7 half a ball keeps what lies next to its rim, and a limb without its end some of its length.
-constexpr double least_border = 0.7;
+constexpr double min_border = 0.7;
 /// Rings that are taken whatever their border: their slope is what a fill has to continue.
-constexpr int least_rings = 2;
+constexpr int min_rings = 2;
 
 class Growth {
 public:
@@ -48,7 +48,7 @@ public:
       }
     }
     const double border = border_length(faces);
-    if (disc_.rings >= least_rings && clearly_less(border, least_border * rim_length_)) return false;
+    if (disc_.rings >= min_rings && clearly_less(border, min_border * rim_length_)) return false;
     for (Index f : faces) cut(mesh_.faces[f]);
     front_.assign(disc_.vertices.begin() + static_cast<std::ptrdiff_t>(before), disc_.vertices.end());
     measure(before);
@@ -207,16 +207,16 @@ private:
 }  // namespace
 
 Disc disc_around(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, double reach,
-                 int most_rings, Index most_triangles) {
+                 int max_rings, Index max_triangles) {
   Growth growth(mesh, around, loops);
-  while (growth.disc().rings < most_rings && growth.triangles() < most_triangles && growth.grow())
-    if (growth.disc().rings >= least_rings && !clearly_less(growth.reached(), reach)) break;
+  while (growth.disc().rings < max_rings && growth.triangles() < max_triangles && growth.grow())
+    if (growth.disc().rings >= min_rings && !clearly_less(growth.reached(), reach)) break;
   return growth.finish();
 }
 
 Disc disc_to_sample(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, double reach,
-                    int most_rings) {
-  Disc disc = disc_around(mesh, around, loops, reach, most_rings);
+                    int max_rings) {
+  Disc disc = disc_around(mesh, around, loops, reach, max_rings);
   disc.on_edges = points_on_long_edges(disc.points, disc.faces);
   return disc;
 }

@@ -40,9 +40,9 @@ constexpr Index points_at_once = 4096;
 /// lies in the hole 18%; with it 99.6%, and 100%.
 constexpr double order_error = 0.5;
 /// Orders with less than this share are left out of the average.
-constexpr double least_share = 0.02;
+constexpr double min_share = 0.02;
 /// Distance from a sample, in normalised coordinates, at which derivatives are taken that have no limit there.
-constexpr double least_distance = 1e-7;
+constexpr double min_distance = 1e-7;
 
 /// Monomials up to the order's degree at points, n x q.
 MatrixXd monomials(const PlanePoints& c, double order) {
@@ -337,7 +337,7 @@ void Field::hedge(double unit) {
     parts_[k].share *= smooth;
     if (static_cast<Index>(k) < low) parts_[k].share += (1 - smooth) / static_cast<double>(low);
   }
-  std::erase_if(parts_, [](const Part& part) { return part.share < least_share; });
+  std::erase_if(parts_, [](const Part& part) { return part.share < min_share; });
   for (const Part& part : parts_) sum += part.share;
   for (Part& part : parts_) part.share /= sum;
 }
@@ -353,7 +353,7 @@ void Field::jets(const Part& part, const double* rows, Index n, double* out) con
     const auto across = [&](double y) { return Jet<N>::linear(y, step * axes_(0, 1), step * axes_(1, 1)); };
     for (Index i = 0; i < points_.rows(); ++i) {
       double x = at[0] - points_(i, 0), y = at[1] - points_(i, 1);
-      if (std::abs(x) + std::abs(y) < least_distance) x = least_distance;
+      if (std::abs(x) + std::abs(y) < min_distance) x = min_distance;
       const Jet<N> u = along(x), v = across(y), s = u * u + v * v;
       std::array<double, N + 1> logarithm{}, power{}, kernel{};  // Taylor coefficients at s
       const double s0 = s.value();

@@ -13,7 +13,7 @@ namespace {
 constexpr int steps_to_feet = 12;
 constexpr double longest_step_to_feet = 0.02, last_step_to_feet = 1e-9;
 /// Vertices that a field is fitted to next to its centers: the time grows with their number, noise is averaged over them.
-constexpr Index most_fitted = 4000;
+constexpr Index max_fitted = 4000;
 
 /// Where the tangent planes at the rim have vertices.
 PlanePoints on_tangent_planes(const Disc& disc, const std::vector<Index>& rows, const Surface& surface,
@@ -54,7 +54,7 @@ PlanePoints feet_on(const Surface& surface, const Points& points, PlanePoints uv
 }
 
 std::vector<Index> fitted_rows(const Disc& disc, const std::vector<Index>& centers) {
-  const Index n = disc.points.rows(), more = std::min(n, most_fitted);
+  const Index n = disc.points.rows(), more = std::min(n, max_fitted);
   std::vector<char> taken(static_cast<std::size_t>(n), 0);
   std::vector<Index> rows = centers;
   for (Index k : rows) taken[static_cast<std::size_t>(k)] = 1;

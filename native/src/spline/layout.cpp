@@ -21,19 +21,19 @@ using Matrix2 = Eigen::Matrix2d;
 using Sparse = Eigen::SparseMatrix<double>;
 
 /// Of a triangle's longest edge: flatter ones are laid out as if they were that high.
-constexpr double least_height = 1e-3;
+constexpr double min_height = 1e-3;
 /// Of that longest edge over the side of the mean triangle.
-constexpr double least_length = 1e-4;
+constexpr double min_length = 1e-4;
 /// Of a triangle that closes an inner hole, times its area: as good as free to deform, within 1% of what a tube's end is without it.
 constexpr double weight_of_filled = 1e-2;
 /// Of the weights of Tutte's embedding, which must be positive. Only where the layout begins depends on it, and on the next four.
-constexpr double least_cotangent = 0.05;
+constexpr double min_cotangent = 0.05;
 /// Of the mean edge of the border: shorter ones are that long on the circle of the embedding, where none has no length.
-constexpr double least_border_edge = 1e-2;
+constexpr double min_border_edge = 1e-2;
 /// Of the embedding. A finger six radii long begins at an energy of 395 without any, 20 with two and 13 with these; it ends at 10.
 constexpr int reweightings = 4;
 /// Over its area, that of a triangle as it comes out: weights are made again by no less.
-constexpr double least_shrunk = 1e-12;
+constexpr double min_shrunk = 1e-12;
 /// Of the energy before: a reweighting that leaves more is the last.
 constexpr double enough_gained = 0.99;
 /// Of what the slope promises a step has to gain (Armijo; the usual value); with a hundred times as much none of those changes.
@@ -47,7 +47,7 @@ constexpr double free_motions = 1e-9;
 /// of how they move as a whole, and what rounding makes of a step the next ones enlarge up to a million times: of meshes stretched by 1000
 /// two refinements leave 1e-13, of others there is none, or one.
 constexpr double refined = 1e-14;
-constexpr int most_refinements = 4;
+constexpr int max_refinements = 4;
 /// Of what was left before: more, and it is the rounding of what is left itself.
 constexpr double still_refines = 0.5;
 /// Energy of a start from which the way to the end is long: rounding grows on it up to a million times, and stays where it is left early. To the
@@ -236,7 +236,7 @@ Shape shape_of(const Vec3& a, const Vec3& b, const Vec3& c, double shortest) {
     length = shortest;
     foot = std::min(foot, length);
   }
-  height = std::max(height, least_height * length);
+  height = std::max(height, min_height * length);
   Shape shape;
   shape.weight = length * height / 2;
   shape.gradient[base] = Vec2(-1 / length, (foot / length - 1) / height);
@@ -343,10 +343,10 @@ public:
       squares += (x[b] - x[a]).squaredNorm() + (x[c] - x[b]).squaredNorm() + (x[a] - x[c]).squaredNorm();
     }
     area_ = area;
-    const double whole = std::max(area, least_height * squares);
+    const double whole = std::max(area, min_height * squares);
     scale_ = whole > 0 ? std::sqrt(whole) : 1;
     for (Vec3& p : x) p /= scale_;
-    const double shortest = least_length / std::sqrt(static_cast<double>(disc.triangles.size()));
+    const double shortest = min_length / std::sqrt(static_cast<double>(disc.triangles.size()));
     double weights = 0;
     for (std::size_t t = 0; t < disc.triangles.size(); ++t) {
       const auto& [a, b, c] = disc.triangles[t];
@@ -405,13 +405,13 @@ public:
     double least = std::numeric_limits<double>::infinity(), previous = least;
     for (int round = 0; round <= reweightings; ++round) {
       PlanePoints uv = system.solved(
-          [&](std::size_t t, int k) { return conductance[t] * std::max(shapes_[t].cotangent[(k + 2) % 3], least_cotangent); });
+          [&](std::size_t t, int k) { return conductance[t] * std::max(shapes_[t].cotangent[(k + 2) % 3], min_cotangent); });
       const double found = resize(uv) ? energy(uv) : std::numeric_limits<double>::infinity();
       if (found < least) least = found, best = uv;
       if (round > 0 && best && !(found < enough_gained * previous)) break;
       previous = found;
       for (std::size_t t = 0; t < shapes_.size(); ++t)
-        conductance[t] *= std::sqrt(std::max(std::abs(jacobian(t, uv).determinant()), least_shrunk));
+        conductance[t] *= std::sqrt(std::max(std::abs(jacobian(t, uv).determinant()), min_shrunk));
     }
     return best;
   }
@@ -427,7 +427,7 @@ public:
     if (!is_regular) return false;
     Eigen::VectorXd way = -hessian_.solve(gradient_);
     double before = std::numeric_limits<double>::infinity();
-    for (int round = 0; round < most_refinements; ++round) {
+    for (int round = 0; round < max_refinements; ++round) {
       const Eigen::VectorXd left = gradient_ + times_hessian(way);
       const double size = left.norm();
       if (size <= refined * gradient_.norm() || size > still_refines * before) break;
@@ -477,7 +477,7 @@ private:
     std::vector<double> length(n);
     for (std::size_t k = 0; k < n; ++k) length[k] = (x[disc_.border[(k + 1) % n]] - x[disc_.border[k]]).norm();
     const double all = std::accumulate(length.begin(), length.end(), 0.0);
-    for (double& l : length) l = std::max(l, least_border_edge * all / static_cast<double>(n));
+    for (double& l : length) l = std::max(l, min_border_edge * all / static_cast<double>(n));
     const double sum = std::accumulate(length.begin(), length.end(), 0.0);
     const double turn = sum > 0 ? 2 * EIGEN_PI / sum : 0;
     double along = 0;

@@ -19,7 +19,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 /// The largest cotangent, of half a degree: triangles whose area says more are taken for that much thicker, all three of their angles, so
 /// that the energy of each is positive. Areas of vertices are no less than this share of the mean triangle's. Else they come of triangles
 /// that are all but an edge.
-constexpr double steepest = 100, least_area = 1e-3;
+constexpr double steepest = 100, min_area = 1e-3;
 /// Areas of vertices where a fill meets its surroundings, over those of the fill's triangles alone: the planes of these surroundings are
 /// those of single triangles. With 1 cages that end at wide bevels continue as those leave, with 2 at narrow ones; 1.3 to 2 leave 60 rough
 /// holes equally near to what was there, with 3 they are 2% farther.
@@ -70,7 +70,7 @@ public:
     const Sparse stiffness = own.stiffness + beyond.stiffness;
     const double mean = std::max((own.areas + beyond.areas).sum(), 1e-300) /
                         static_cast<double>(std::max<std::size_t>(triangles.size() + around.size(), 1));
-    const auto over_mean = [&](const Eigen::VectorXd& areas) { return (areas / mean).cwiseMax(least_area).eval(); };
+    const auto over_mean = [&](const Eigen::VectorXd& areas) { return (areas / mean).cwiseMax(min_area).eval(); };
     areas_ = over_mean(own.areas + beyond.areas);
     beside_ = held_beside(stiffness);
     free_ = areas_.segment(first, count);
@@ -90,7 +90,7 @@ public:
   std::optional<Points> least(int order) {
     if (!regular_) return {};
     Points out = -from_held_;
-    if (order > 1 && !beside_.empty()) out += solved(free_.asDiagonal() * (order == 2 ? least_second() : least_third()));
+    if (order > 1 && !beside_.empty()) out += solved(free_.asDiagonal() * (order == 2 ? min_second() : min_third()));
     if (!out.allFinite()) return {};
     return out;
   }
@@ -202,13 +202,13 @@ private:
   }
 
   /// v of the free vertices: (A_b + B A_f B') m = e, v_f = -B' m.
-  Eigen::MatrixXd least_second() {
+  Eigen::MatrixXd min_second() {
     take_transfer();
     return -(transfer_ * SquareSystem(second_).solve(of_held_));
   }
 
   /// The same where v' S v is least: v_f = B' -> S_ff^-1 A_f B' m - B' v_b.
-  Eigen::MatrixXd least_third() {
+  Eigen::MatrixXd min_third() {
     take_transfer();
     const Index n = to_free_.cols();
     const Eigen::MatrixXd third =
@@ -236,10 +236,10 @@ private:
 /// Of the higher of two orders: it overshoots farther, and errs more where it errs. Twice as much leaves 84 holes of scanned and modelled
 /// meshes 1.7% farther from what was there, half 0.6% nearer.
 constexpr double share_of_last = 0.25;
-/// Of the second model where surroundings are rough and have details: with all of `most_of_second` 216 holes of 25 meshes are 1.5% farther,
+/// Of the second model where surroundings are rough and have details: with all of `max_of_second` 216 holes of 25 meshes are 1.5% farther,
 /// with none 1%.
 constexpr double share_where_rough = 0.45;
-/// Of an edge: where so much reads as noise, half of `most_of_second`. No scan has that much noise; it is details finer than edges. On
+/// Of an edge: where so much reads as noise, half of `max_of_second`. No scan has that much noise; it is details finer than edges. On
 /// those meshes fills of rims with a sixth of an edge or more are 4 to 30% nearer with the second model alone than without.
 constexpr double far_rough = 0.15, steepness_of_far = 4;
 /// Of the second model, where there is little noise, but the likeliest order is lower than that of any known surface with noise up to 2%
@@ -251,7 +251,7 @@ constexpr double share_where_faint = 0.25, half_faint = 0.005, beyond_faint = 0.
 
 /// See mostly_details. Of 72 holes in meshes of animals under noise of a tenth to a third of an edge a quarter to twice of it changes two or
 /// fewer; with four times as much five are 8% farther in the mean, without it seven 16%.
-constexpr double least_of_details = 0.2;
+constexpr double min_of_details = 0.2;
 
 }  // namespace
 
@@ -265,7 +265,7 @@ double share_of_details(double noise, double left_by_reference) {
   return std::pow(1 - std::min(std::pow(share, 4), 1.0), 2);
 }
 
-bool mostly_details(double share) { return share > least_of_details; }
+bool mostly_details(double share) { return share > min_of_details; }
 
 double share_of_second(const FieldFindings& s) {
   const double creased = 1 / (1 + std::pow(s.mean_order / order_where_creased, steepness_of_order));
@@ -273,7 +273,7 @@ double share_of_second(const FieldFindings& s) {
   const double far = 1 / (1 + std::pow(far_rough / s.noise, steepness_of_far));
   double share = share_where_rough * s.roughness * s.details + share_where_creased * (1 - s.roughness) * creased;
   if (!s.strongly_curved) share = std::max(share, share_where_faint * faint * s.details);
-  return share + (most_of_second - share) * far;
+  return share + (max_of_second - share) * far;
 }
 
 struct SecondModels::Own : Bending {

@@ -19,17 +19,17 @@ using Eigen::VectorXd;
 constexpr int kernel_power = 5;
 constexpr double sign = -1;  // with which it is definite
 /// Of longer rims every second vertex, or third: the time grows with the cube of their number.
-constexpr Index most_of_rim = 200;
+constexpr Index max_of_rim = 200;
 /// Share of the domain's size that places keep from its border, where nothing is added.
-constexpr double least_margin = 0.02;
+constexpr double min_margin = 0.02;
 /// Places nearer than this share of the domain's size are one.
 constexpr double one_place = 1e-6;
 /// The rim is met but for this share of its weights: vertices may lie in one place.
 constexpr double rounding = 1e-12;
 /// Distance, normalised, at which derivatives are taken that have no limit at a place.
 constexpr double off_place = 1e-7;
-constexpr int most_steps = 30;
-constexpr double least_step = 1e-3;
+constexpr int max_steps = 30;
+constexpr double min_step = 1e-3;
 
 /// Monomials up to degree 2, or their derivatives by one coordinate.
 MatrixXd monomials(const PlanePoints& c, int axis) {
@@ -70,7 +70,7 @@ public:
     return inside && std::all_of(border_.begin(), border_.end(), [&](const std::array<Index, 2>& e) {
              const Eigen::RowVector2d way = uv_.row(e[1]) - uv_.row(e[0]), from = p - uv_.row(e[0]);
              const double t = std::clamp(from.dot(way) / std::max(way.squaredNorm(), 1e-300), 0.0, 1.0);
-             return (from - t * way).norm() > least_margin * size_;
+             return (from - t * way).norm() > min_margin * size_;
            });
   }
   /// Middles of the triangles; those that the domain has where there are such.
@@ -107,16 +107,16 @@ PlanePoints nearest_places(const Surface& surface, const PlanePoints& uv, const 
     (known.rowwise() - point.transpose()).rowwise().squaredNorm().minCoeff(&nearest);
     Vec2 place = starts.row(nearest);
     Foot foot = foot_at(surface, place, point);
-    for (int step = 0; step < most_steps && foot.step.allFinite(); ++step) {
+    for (int step = 0; step < max_steps && foot.step.allFinite(); ++step) {
       const Foot from = foot;
       // far from a surface that bends away Gauss-Newton goes too far
       double share = 1;
-      for (; share > least_step; share /= 2) {
+      for (; share > min_step; share /= 2) {
         if (!domain.has(place + share * from.step)) continue;
         foot = foot_at(surface, place + share * from.step, point);
         if (foot.off.squaredNorm() < from.off.squaredNorm()) break;
       }
-      if (share <= least_step) break;
+      if (share <= min_step) break;
       place += share * from.step;
     }
     places.row(k) = place;
@@ -128,7 +128,7 @@ MetPoints::MetPoints(const Surface& surface, const PlanePoints& rim, const Plane
                      const std::vector<Through>& points, const Points& planes)
     : met_(places.rows()) {
   std::vector<Index> of_rim, held;
-  const Index step = (rim.rows() + most_of_rim - 1) / most_of_rim;
+  const Index step = (rim.rows() + max_of_rim - 1) / max_of_rim;
   const auto asks = [&](Index k) { return !planes.row(k).isZero(0); };
   const bool some = std::ranges::any_of(std::views::iota(Index{0}, planes.rows()), [&](Index k) { return !asks(k); });
   for (Index k = 0; k < rim.rows(); ++k)

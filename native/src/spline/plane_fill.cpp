@@ -33,13 +33,13 @@ namespace {
 /// Surroundings as far as this share of the hole's diameter: with 0.5 the fills of scanned and modelled meshes are no nearer, and cost
 /// more.
 constexpr double reach_share = 0.25;
-constexpr int most_rings = 40;
+constexpr int max_rings = 40;
 /// Where there is noise of this share of an edge or more on a surface without details, twice as far is nearer by a tenth: without noise
 /// there is nothing to average, and beyond details the surface is another.
-constexpr double least_noise = 0.003, noisy_reach_share = farthest_reach;
+constexpr double min_noise = 0.003, noisy_reach_share = farthest_reach;
 /// Samples of the field: so many and the rim's. The time grows with their cube; with 240 at least the distances of 220 holes from
 /// what was there are within 2% of those with 160, but for known surfaces without noise, where they are a hundredth of a baseline's.
-constexpr Index least_samples = 160, most_samples = 600;
+constexpr Index min_samples = 160, max_samples = 600;
 constexpr Index more_than_rim = 100;
 /// Relative, of squared distances over others: samples that are as far from those taken are taken in their order. More than a tie: a million
 /// sizes from the origin distances across a mesh that is stretched by 1000 are rounded by 1e-7 of themselves.
@@ -59,26 +59,26 @@ constexpr double layout_tolerance = 1e-3;
 /// Energy of a layout, 4 where nothing is deformed, from which on it is none. Of 1,658 layouts of random holes in even, bumpy and noisy meshes the
 /// worst has 35, of 155 of known surfaces and scanned meshes 14. In meshes stretched by up to 1000 one of six has more, up to 1e9: fills over it
 /// fold or are as far off as those of the next way, and where forty steps from there end rounding chooses.
-constexpr double most_deformed = 100;
+constexpr double max_deformed = 100;
 /// The layout of a strongly curved hole is that of its fill: what the fill errs, the layout errs, and with it the next fill. Where a
 /// layout changes the area by this share of what the one before changed it, errors add up to 1 / (1 - share) of themselves; of more
 /// than this share it is not believed.
-constexpr double most_fed_back = 0.75;
+constexpr double max_fed_back = 0.75;
 /// Cosine, of what surrounds long rims that are seen from above.
-constexpr double most_leaning = 0.5;
+constexpr double max_leaning = 0.5;
 /// Where they are not, the fill in their layouts has a third of the rim in so many edges inside: its triangles would be ten times those
 /// of the rings. Of six caps of a sphere, 60 degrees, rims of 600 to 1,050 edges that are jagged by 0.01 and 0.02, with 10, 40 and 200
 /// five are as far off, one with 10 half as far; with 200 it takes twice as long.
 constexpr int edges_in_layouts = 20;
 /// The same of shorter rims' fills with more triangles than this, as none in a flat round hole has: where the field runs away they are many,
 /// and take seconds to lay out and to bend.
-constexpr std::size_t most_in_layouts = 30'000;
+constexpr std::size_t max_in_layouts = 30'000;
 /// Of the area of few triangles, and of how many fine ones that asks for: a field whose fine ones have more of both folds between the few.
 /// Of 18 fills of rims of 220 to 370 edges those that served had 1.00 to 1.02 times the area and 0.6 to 1.4 times the triangles; seven
 /// that folded avoidably had 1.6 to 40 and 2.9 to 6.
 constexpr double more_area = 1.4, more_triangles = 2;
 /// Vertices of a fill times those of its rim: where there are more, fewer triangles are bent by themselves, of which each try takes 0.2 s there.
-constexpr Index most_bent = 1'000'000;
+constexpr Index max_bent = 1'000'000;
 /// Degrees of the reference. Of known surfaces with no noise, holes to half a ball: with degree 4 foot points are smooth enough that
 /// the field's distance from the truth falls to a hundredth of that over the layout. Higher degrees follow the layout's noise, and
 /// noise of 2% of an edge. Scanned and modelled meshes have details: around 250 holes of them degree 6 is 5% nearer, 7 no more.
@@ -92,7 +92,7 @@ constexpr double detail = 0.05;
 constexpr std::array<int, 3> further_degrees = {6, 6, 5};
 constexpr int rings_for_further = 3;
 /// Below this share of the second model it is not worth its time: half and twice of it change 8 of 84 fills, all together by less than 1%.
-constexpr double least_share_of_second = 0.1;
+constexpr double min_share_of_second = 0.1;
 /// A field that somewhere is this many diameters of the hole from the triangles that bend least, though there are details that no polynomial
 /// explains, has overshot, as at the end of a fillet: between the bevels of cylinders it made funnels. Not one whose noise is this share
 /// of an edge: that knows little and runs nowhere. Of 500 holes in 25 meshes made by Blender's tools, and the same cut into triangles, 8
@@ -110,7 +110,7 @@ constexpr Index slopes = 24;
 constexpr double farthest = 1.0;
 /// Of the rim's diameter: half of its edges are longer, or none of what follows is tried. In a ball, a torus and a flat grid with vertices
 /// pulled far out of the rim surfaces were laid out down to 5e-10 and none from 1e-10 on, after up to seven seconds.
-constexpr double least_edge = 2e-10;
+constexpr double min_edge = 2e-10;
 
 /// The rim as it is, and what is known next to it.
 struct Rim {
@@ -197,16 +197,16 @@ Eigen::VectorXd distances(const Disc& disc) {
 /// The best spread samples, rows of the disc's vertices and of the points on its edges: all of the rim if there are not too many, then
 /// always the one that is farthest from those taken, over its own distance from the rim. Were that in edges where the rim has more of them
 /// than samples, all others would be of the rim too, and the slope next to it unseen. In an order of which every k-th is spread over all.
-std::vector<Index> spread_samples(const Disc& disc, double edge, Index more = more_than_rim, Index most = most_samples) {
+std::vector<Index> spread_samples(const Disc& disc, double edge, Index more = more_than_rim, Index most = max_samples) {
   const Points points = with_points_on_edges(disc, disc.points);
   const Eigen::VectorXd distance = distances(disc);
   const Index n = points.rows();
-  const Index wanted = std::min(n, std::clamp(disc.rim + more, least_samples, most));
+  const Index wanted = std::min(n, std::clamp(disc.rim + more, min_samples, most));
   std::vector<Index> taken;
   const Index of_rim = std::min(disc.rim, wanted / 2);
   for (Index k = 0; k < of_rim; ++k) taken.push_back(k * disc.rim / of_rim);
   const double none = -1;
-  const bool leaves_no_others = disc.rim + more_than_rim > most_samples;
+  const bool leaves_no_others = disc.rim + more_than_rim > max_samples;
   const double spacing = leaves_no_others ? edge * static_cast<double>(disc.rim) / static_cast<double>(of_rim) : edge;
   const Eigen::ArrayXd far = (distance.array() + spacing).square();
   const Eigen::ArrayX3d at = points.array();
@@ -272,7 +272,7 @@ std::optional<PlanePoints> seen_from_above(const Disc& disc, const Rim& rim) {
   const Vec3 up = mean.stableNormalized();
   for (const std::array<Index, 3>& t : disc.triangles) {
     const Vec3 n = normal_of(disc.points, t);
-    if (!(n.dot(up) >= most_leaning * n.norm())) return {};
+    if (!(n.dot(up) >= max_leaning * n.norm())) return {};
   }
   const Vec3 u = up.unitOrthogonal(), v = up.cross(u), origin = disc.points.colwise().mean();
   PlanePoints uv(disc.points.rows(), 2);
@@ -321,7 +321,7 @@ std::optional<PlanePoints> laid_out(const Disc& disc, const Rim& rim, const Atte
   PlaneLayoutOptions options;
   options.tolerance = layout_tolerance;
   const std::optional<Layout> layout = lay_out(points, triangles, options);
-  if (!layout || layout->energies.back() > most_deformed) return {};
+  if (!layout || layout->energies.back() > max_deformed) return {};
   return PlanePoints(layout->uv.topRows(n));
 }
 
@@ -359,7 +359,7 @@ PlaneTriangulation triangulated(PlanePolygon polygon, const std::vector<Through>
 /// As fine as is asked for, or of few triangles where these would be too many.
 void triangulate(const PlanePolygon& polygon, const Rim& rim, const PlaneFillOptions& options, Attempt& result) {
   MostTriangles most;
-  if (!options.resolution) most.count = most_in_layouts;
+  if (!options.resolution) most.count = max_in_layouts;
   result.made = triangulated(polygon, rim.through, options.resolution, result, most);
   result.few = result.made.unfinished;
   if (result.few) result.made = triangulated(polygon, rim.through, edges_in_layouts, result);
@@ -465,7 +465,7 @@ std::shared_ptr<const Field> field_of_difference(const PlanePoints& places, cons
 
 /// A surface through the vertices of a fill, those of its rim first: all of these, and as many inside as a field has samples.
 SurfacePtr through_vertices(const PlanePoints& uv, const Points& points, Index rim, double unit) {
-  const Index step = (uv.rows() - rim) / std::max<Index>(most_samples - rim, 1) + 1;
+  const Index step = (uv.rows() - rim) / std::max<Index>(max_samples - rim, 1) + 1;
   std::vector<Index> rows(static_cast<std::size_t>(rim));
   std::iota(rows.begin(), rows.end(), Index{0});
   for (Index k = rim; k < uv.rows(); k += step) rows.push_back(k);
@@ -498,7 +498,7 @@ bool take_second(const Rim& rim, const SecondModel& second, double share, Attemp
 }
 
 /// Folds that a fill may have: the rim's own, and one for each face that is turned over and that it does not fold over.
-Index most_folds(const Rim& rim, const Attempt& result) {
+Index max_folds(const Rim& rim, const Attempt& result) {
   if (rim.turned_over.empty()) return rim.folds;
   const Points& points = result.made.points;
   const Triangles& triangles = result.made.triangles;
@@ -512,7 +512,7 @@ void average_models(const Disc& disc, const Rim& rim, Attempt& result) {
   const double share = share_of_second({result.field->noise() / std::max(rim.edge, 1e-300), result.field->roughness(),
                                         details_in(result), result.field->mean_order(), result.fed_back > 0});
   const Index r = disc.rim, added = result.made.points.rows() - r;
-  if (share < least_share_of_second || added == 0 || r > long_rim || disc.triangles.empty() || result.met) return;
+  if (share < min_share_of_second || added == 0 || r > long_rim || disc.triangles.empty() || result.met) return;
   const auto folds_of = [&](const Attempt& each) { return folded_edges(each.made.points, each.made.triangles, rim.beyond); };
   std::optional<Attempt> best;
   Index fewest = 0;
@@ -521,7 +521,7 @@ void average_models(const Disc& disc, const Rim& rim, Attempt& result) {
     Attempt average = result;
     if (!second || !take_second(rim, *second, share, average)) continue;
     const Index folds = folds_of(average);
-    if (folds <= most_folds(rim, average)) {
+    if (folds <= max_folds(rim, average)) {
       result = std::move(average);
       return;
     }
@@ -549,7 +549,7 @@ void hold_back(const Disc& disc, const Rim& rim, Attempt& result) {
   Attempt held = result;
   if (!take_second(rim, *least, 1, held)) return;
   const Index folds = folded_edges(held.made.points, held.made.triangles, rim.beyond);
-  if (folds <= most_folds(rim, held) || folds <= folded_edges(result.made.points, result.made.triangles, rim.beyond))
+  if (folds <= max_folds(rim, held) || folds <= folded_edges(result.made.points, result.made.triangles, rim.beyond))
     result = std::move(held);
 }
 
@@ -557,7 +557,7 @@ void hold_back(const Disc& disc, const Rim& rim, Attempt& result) {
 Eigen::VectorXd spread_of_models(const Attempt& result) {
   const Index added = result.second->vertices.rows();
   const Points normals = result.surface->normals(as_rows(PlanePoints(result.made.uv.bottomRows(added))));
-  const double share = std::min(result.share_of_second, most_of_second);
+  const double share = std::min(result.share_of_second, max_of_second);
   const Points way = result.second->vertices - result.on_field.bottomRows(added);
   const Eigen::VectorXd between = way.cwiseProduct(normals).rowwise().sum();
   const Eigen::VectorXd apart = result.second->apart.cwiseProduct(normals).rowwise().sum();
@@ -581,7 +581,7 @@ bool is_finer(const Rim& rim, const PlaneFillOptions& options) {
 }
 
 /// Of triangles as fine as the rim, by the few.
-MostTriangles most_on(const Attempt& few, double edge) {
+MostTriangles max_triangles_on(const Attempt& few, double edge) {
   const double area = area_of(few.made.points, few.made.triangles), asked = area / (area_of_triangle * edge * edge);
   return {static_cast<std::size_t>(std::min(more_triangles * asked, 1e9)), more_area * area};
 }
@@ -590,7 +590,7 @@ MostTriangles most_on(const Attempt& few, double edge) {
 bool refine(const Rim& rim, std::optional<int> resolution, Attempt& result) {
   const Index r = rim.points.rows();
   const PlanePoints places = result.made.uv;
-  const MostTriangles most = result.few && !resolution ? most_on(result, rim.edge) : MostTriangles();
+  const MostTriangles most = result.few && !resolution ? max_triangles_on(result, rim.edge) : MostTriangles();
   Eigen::VectorXd spread = Eigen::VectorXd::Zero(places.rows());
   if (result.second) spread.tail(places.rows() - r) = spread_of_models(result);
   result.made = triangulated(polygon_of(rim, result.rim_uv), rim.through, resolution, result, most);
@@ -608,7 +608,7 @@ Index unfolded(const Rim& rim, Attempt& result) {
   if (folds == 0) return 0;
   const Index r = rim.points.rows();
   PlaneTriangulation& made = result.made;
-  const Index most = most_folds(rim, result);
+  const Index most = max_folds(rim, result);
   if (folds > most && is_past_mending(folds, made.triangles.size())) return folds;
   for (const Index allowed : {Index{0}, most}) {
     Index left = unfold(made.points, made.triangles, r, allowed, rim.beyond);
@@ -626,7 +626,7 @@ Index unfolded(const Rim& rim, Attempt& result) {
 
 /// Whether folds cannot be mended, or it crosses itself. Where few triangles on a field are so, many are: of 22 such fields of long rims all.
 bool stays_folded(const Rim& rim, Attempt looked_at) {
-  return unfolded(rim, looked_at) > most_folds(rim, looked_at) || crosses(rim, looked_at);
+  return unfolded(rim, looked_at) > max_folds(rim, looked_at) || crosses(rim, looked_at);
 }
 
 /// The disc, or one of the rings that the second model needs.
@@ -643,7 +643,7 @@ struct Bends {
 
 /// Whether an attempt, its folds mended, does no more harm than its rim.
 bool serves(const Rim& rim, Attempt& result) {
-  return unfolded(rim, result) <= most_folds(rim, result) &&
+  return unfolded(rim, result) <= max_folds(rim, result) &&
          folded_edges(result.made.points, result.made.triangles, {}) <= rim.folds_of_plain && !crosses(rim, result);
 }
 
@@ -774,7 +774,7 @@ Points points_of(const Rim& rim, const PlaneFill& fill) {
 
 /// By the change of the area, and the change before it.
 double fed_back(double before, double now, double change) {
-  return std::min(std::abs(now - before) / std::max(std::abs(change), 1e-300), most_fed_back);
+  return std::min(std::abs(now - before) / std::max(std::abs(change), 1e-300), max_fed_back);
 }
 
 /// Tries until the layout with the fill in it is that of the try before, or more would not help.
@@ -812,8 +812,8 @@ const std::vector<double> of_rim_alone = {2, 2.5, 3.5};
 bool look_farther(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, const Rim& rim,
                   const FieldOptions& fields, const PlaneFillOptions& options, Disc& disc, Attempt& result) {
   const auto between = [&](double low, double x, double high) { return low * rim.edge < x && x < high * rim.edge; };
-  if (!between(least_noise, result.field->noise(), too_rough) || !between(-1, result.left_by_reference, detail)) return false;
-  Disc wide = disc_to_sample(mesh, around, loops, noisy_reach_share * rim.diameter, most_rings);
+  if (!between(min_noise, result.field->noise(), too_rough) || !between(-1, result.left_by_reference, detail)) return false;
+  Disc wide = disc_to_sample(mesh, around, loops, noisy_reach_share * rim.diameter, max_rings);
   if (wide.rings <= disc.rings) return false;
   std::optional<Attempt> next = attempt(wide, rim, spread_samples(wide, rim.edge), fields, options, &result);
   if (!next || !between(-1, next->left_by_reference, detail) || !stay(next->made.points, rim)) return false;
@@ -828,7 +828,7 @@ bool look_farther(const Mesh& mesh, const Connectivity& around, const std::vecto
 /// inside, which curve it and of which the samples know nothing, nor where it would fold more. Whether that changed the result.
 bool look_closer(const Disc& disc, const Rim& rim, const FieldOptions& fields, const PlaneFillOptions& options, Attempt& result) {
   if (result.fed_back == 0 || disc.rim > long_rim || result.met) return false;
-  if (!(result.field->noise() < least_noise * rim.edge)) return false;
+  if (!(result.field->noise() < min_noise * rim.edge)) return false;
   const auto folds = [&](const Attempt& each) { return folded_edges(each.made.points, each.made.triangles, rim.beyond); };
   std::optional<Attempt> next = attempt(disc, rim, spread_samples(disc, rim.edge, more_where_clear), fields, options, &result);
   if (!next || !stay(next->made.points, rim) || folds(*next) > folds(result)) return false;
@@ -850,7 +850,7 @@ struct Way {
 PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
                     const PlaneFillOptions& options, const Rim& rim, PlaneFill best) {
   const std::array<Way, 4> ways = {
-      Way{reach_share, most_rings, FieldOptions().orders, {}}, Way{0, 2, {2, 3}, Message{Code::two_rings_followed}},
+      Way{reach_share, max_rings, FieldOptions().orders, {}}, Way{0, 2, {2, 3}, Message{Code::two_rings_followed}},
       Way{0, 1, {2}, Message{Code::one_ring_followed}}, Way{0, 0, of_rim_alone, Message{Code::rim_alone_followed}}};
   const Connectivity& continued = options.continued ? *options.continued : around;
   const bool finer = is_finer(rim, options);  // the surface is that of triangles like the rim's, which bend in far less time
@@ -890,14 +890,14 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
     const bool is_long = disc.rim > long_rim;  // bending its thousands of triangles takes longer than all the rest
     // Where the faces beyond fold the rim itself, the triangles of the fill need not fold among themselves.
     const bool folds_inside = left > 0 && folded_edges(result->made.points, result->made.triangles, {}) > rim.folds_of_plain;
-    const Index most = most_folds(rim, *result);
+    const Index most = max_folds(rim, *result);
     const bool fails = is_hopeless || left > most || folds_inside || crosses(rim, *result);
     const bool prefers_second = !is_long && mostly_details(details_in(*result)) && (fails || way.reach == 0);
     bool bends_least = false;
     if (prefers_second || (fails && !is_long)) {
       Attempt alone = before ? *before : *result;
       const Disc rings = with_two_rings(mesh, continued, loops, disc);
-      const bool few = alone.few || disc.rim * alone.made.points.rows() > most_bent;
+      const bool few = alone.few || disc.rim * alone.made.points.rows() > max_bent;
       bends_least = few ? few_alone(rings, rim, options.resolution, alone) : second_alone(rings, rim, alone);
       if (bends_least && finer && !few) bends_least = refine(rim, options.resolution, alone) && serves(rim, alone);
       if (bends_least) result = std::move(alone);
@@ -919,15 +919,15 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
 /// with rims of 500 to 5,000 edges, 45 to 80 degrees wide, are farther off with 160, and with 240 the field takes the layout's errors for
 /// noise now and then. But where the surroundings are narrow so many more that there are three rows of triangles: of caps and waves with
 /// rims of 4,000 edges, 40 rings of faces wide, the fills were 2 to 30 times farther off.
-constexpr double edges_of_circle = 200, most_edges_of_circle = 350, least_rows = 3;
+constexpr double edges_of_circle = 200, max_edges_of_circle = 350, min_rows = 3;
 /// Surroundings that reach less far than this share of such an edge say too little then: of those caps with 5,000 edges, of which ten of
 /// them are seen, one is four times farther off than seen from above.
-constexpr double least_width = 0.75;
+constexpr double min_width = 0.75;
 /// Below this share of such an edge there is no noise to average: then the field meets its samples. Fitted to more than it can meet caps of
 /// a ball are up to 180 times farther off.
 constexpr double met_noise = 1e-3;
 /// Of a field fitted to more: with 600 and 200 caps and waves are as far off, with 100 some are farther.
-constexpr Index most_centers = 300;
+constexpr Index max_centers = 300;
 
 /// A hole whose rim has a part of another's vertices.
 struct CoarseHole {
@@ -1005,7 +1005,7 @@ std::optional<PlaneFill> on_field(const Disc& disc, const Rim& rim, const PlaneF
   if (result.made.doubles_edges && !rim.doubles_edges) return {};
   result.on_field = result.made.points;
   const Index folds = folded_edges(result.made.points, result.made.triangles, rim.beyond), left = unfolded(rim, result);
-  if (left > most_folds(rim, result) || crosses(rim, result)) return {};
+  if (left > max_folds(rim, result) || crosses(rim, result)) return {};
   PlaneFill fill = completed(result, rim, disc);
   if (left < folds) fill.plainer = Message{Code::triangles_off_surface};
   return fill;
@@ -1019,12 +1019,12 @@ std::optional<PlaneFill> on_coarser_rim(const Mesh& mesh, const Connectivity& ar
                                         const Rim& rim) {
   const Index r = rim.points.rows();
   if (r <= long_rim || options.continued || !options.through.empty() || options.planes.rows() > 0) return {};
-  const Disc disc = disc_around(mesh, around, loops, reach_share * rim.diameter, static_cast<int>(r), most_triangles_around(r));
+  const Disc disc = disc_around(mesh, around, loops, reach_share * rim.diameter, static_cast<int>(r), max_triangles_around(r));
   if (disc.rim != r) return {};  // the rim touches itself
   const double width = *std::max_element(disc.distance.begin(), disc.distance.end());
   const double circle = std::numbers::pi * rim.diameter, longest = circle / edges_of_circle;
-  if (!(width > least_width * longest)) return {};
-  double length = std::clamp(width / least_rows, circle / most_edges_of_circle, longest);
+  if (!(width > min_width * longest)) return {};
+  double length = std::clamp(width / min_rows, circle / max_edges_of_circle, longest);
   const auto is_long = [](const CoarseHole& each) { return static_cast<Index>(each.rows.size()) > long_rim; };
   CoarseHole hole = coarse_hole(disc, loops, length);
   if (is_long(hole)) hole = coarse_hole(disc, loops, length = longest);
@@ -1034,7 +1034,7 @@ std::optional<PlaneFill> on_coarser_rim(const Mesh& mesh, const Connectivity& ar
   if (!from.field || from.plainer) return {};
   const PlanePoints rim_uv = feet_on(*from.surface, rim.points, between_known(rim, hole.rows, from.rim_uv));
   const bool is_met = from.field->noise() < met_noise * length;
-  const std::vector<Index> centers = spread_samples(disc, hole, length, is_met ? most_samples : most_centers);
+  const std::vector<Index> centers = spread_samples(disc, hole, length, is_met ? max_samples : max_centers);
   const std::vector<Index> rows = is_met ? centers : fitted_rows(disc, centers);
   const PlanePoints places = places_on(*from.surface, rim_uv, disc, rows);
   std::optional<PlaneFill> fill;
@@ -1067,7 +1067,7 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
   PlaneFill best = plain(rim, rough.crossing.empty());
   const Points plain_points = points_of(rim, best);
   rim.folds_of_plain = folded_edges(plain_points, best.triangles, {});
-  const bool too_short = rim.diameter > 0 && !(rim.edge > least_edge * rim.diameter);
+  const bool too_short = rim.diameter > 0 && !(rim.edge > min_edge * rim.diameter);
   best.plainer = Message{too_short ? Code::tiny_edges_plain_triangles : Code::plain_triangles};
   if (!rim.through.empty()) best.plainer->parameters.push_back({"through", ""});
   if (!(rim.diameter > 0) || too_short) return best;

@@ -18,7 +18,7 @@ namespace {
 /// lie between two feet, as at corners of boxes, to the side that rounding chooses.
 constexpr int steps = 8;
 /// What the curvature leaves of the squared distance's own bend, at least: steps are no longer than five of Gauss and Newton's.
-constexpr double least_bend = 0.2;
+constexpr double min_bend = 0.2;
 /// Times the radius of curvature: farther off on the inner side a sample has no foot nearby, and stays where it is. In meshes stretched by 1000
 /// what rounding does to places grew 400 times by steps from there. Of 106 known and real holes one changes, by 4%.
 constexpr double farthest_bent = 30;
@@ -122,7 +122,7 @@ PlanePoints Reference::foot_points(PlanePoints points, const Points& samples) co
         points.row(k) = start;
         break;
       }
-      const Eigen::Vector2d left = (1 - modes.values.array()).abs().max(least_bend);
+      const Eigen::Vector2d left = (1 - modes.values.array()).abs().max(min_bend);
       const Eigen::Vector2d pull = tangents * off, pulled = lower.solve(pull), slope = modes.vectors.transpose() * pulled;
       const Eigen::Vector2d wanted = modes.vectors * slope.cwiseQuotient(left);
       Eigen::Vector2d move = lower.transpose().solve(wanted);

@@ -37,7 +37,7 @@ constexpr double flat = 1e-8;  // squared: twice the area over the squared longe
 constexpr int rounds_of_a_kind = 6;
 /// Of one try that are looked at. Only the time hangs on it: a thousand vertices strewn in a ball make 180,000, and ten seconds without it. Of 320
 /// rims of 10 to 1,000 random vertices none is filled otherwise with 100 or with 100,000.
-constexpr std::size_t most_crossings = 1000;
+constexpr std::size_t max_crossings = 1000;
 constexpr Index largest_tried = 1000;  // vertices: of more a try takes a tenth of a second, and the first is taken
 /// Cosine between an ear of a large polygon and the faces beyond its edges. Staircase rims of 214 to 702 edges on balls are as near with 0.47
 /// and 0.85; with 0 those on most of a ball take minutes.
@@ -568,7 +568,7 @@ struct Try {
 Try tried(const PointsRef& points, const Polygon& polygon, Filler& filler) {
   Try result;
   filler.fill(polygon, result.triangles);
-  result.crossings = find_crossings(points, Points(0, 3), faces_of(result.triangles), most_crossings);
+  result.crossings = find_crossings(points, Points(0, 3), faces_of(result.triangles), max_crossings);
   return result;
 }
 

@@ -69,7 +69,7 @@ struct Frame {
 
 /// Nothing where a face is turned from the plane, or from one next to it, as far as at a crease.
 std::optional<Frame> frame_of(const Mesh& mesh, const Connectivity& around, const TwoRings& near, std::size_t edges) {
-  static const double least_cosine = std::cos(least_crease_angle);
+  static const double min_cosine = std::cos(min_crease_angle);
   std::vector<Vec3> areas;
   Vec3 sum = Vec3::Zero();
   for (const Index f : near.faces) {
@@ -83,7 +83,7 @@ std::optional<Frame> frame_of(const Mesh& mesh, const Connectivity& around, cons
   }
   Frame frame;
   frame.normal = sum.normalized();
-  const auto is_within = [&](const Vec3& a, const Vec3& b) { return a.dot(b) >= least_cosine * a.norm() * b.norm(); };
+  const auto is_within = [&](const Vec3& a, const Vec3& b) { return a.dot(b) >= min_cosine * a.norm() * b.norm(); };
   for (std::size_t k = 0; k < areas.size(); ++k) {
     if (!is_within(areas[k], frame.normal)) return {};
     const std::span<const Index> face = mesh.faces[near.faces[k]];
@@ -135,7 +135,7 @@ public:
   bool make() {
     if (!cut_ears()) return false;
     flip();
-    for (int added = 0; added < most_added && insert(); ++added) flip();
+    for (int added = 0; added < max_added && insert(); ++added) flip();
     for (int round = 0; round < smoothing_rounds; ++round) smooth();
     flip();
     return true;
@@ -144,7 +144,7 @@ public:
   const std::vector<Triangle>& triangles() const { return triangles_; }
 
 private:
-  static constexpr int most_added = 2 * static_cast<int>(most_edges_of_small), smoothing_rounds = 3;
+  static constexpr int max_added = 2 * static_cast<int>(max_edges_of_small), smoothing_rounds = 3;
   /// Over what its ends ask for: between the diagonals of a square and of a regular pentagon, which gets a vertex inside.
   static constexpr double longest_edge = 1.5;
   /// Twice an area, squared edges of the rim's mean: less is none.
@@ -272,11 +272,11 @@ private:
 
 /// The vertices next to the rim first, as many as there may be.
 void keep_nearest(std::vector<Vec3>& samples, std::size_t rim) {
-  if (samples.size() <= most_height_samples) return;
+  if (samples.size() <= max_height_samples) return;
   const auto nearer = [](const Vec3& a, const Vec3& b) { return a.head<2>().squaredNorm() < b.head<2>().squaredNorm(); };
-  std::nth_element(samples.begin() + static_cast<std::ptrdiff_t>(rim), samples.begin() + most_height_samples, samples.end(),
+  std::nth_element(samples.begin() + static_cast<std::ptrdiff_t>(rim), samples.begin() + max_height_samples, samples.end(),
                    nearer);
-  samples.resize(most_height_samples);
+  samples.resize(max_height_samples);
 }
 
 /// Degrees by which the new faces are turned from those beyond the rim: the most, and root mean square.

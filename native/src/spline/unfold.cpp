@@ -100,7 +100,7 @@ Index unfold(Points& points, const std::vector<std::array<Index, 3>>& triangles,
 namespace {
 
 /// A flip leaves no triangle flatter than this: height over longest edge. One without area would hide its folds.
-constexpr double least_flipped_height = 0.02;
+constexpr double min_flipped_height = 0.02;
 
 /// Two triangles on both sides of an edge, and what lies across their other edges.
 class Flip {
@@ -125,7 +125,7 @@ public:
       for (int j = 0; j < 3; ++j)
         longest = std::max(longest, (points_.row(flipped[i][j]) - points_.row(flipped[i][(j + 1) % 3])).squaredNorm());
       n[i] = normal(flipped[i]);
-      if (!(n[i].norm() > least_flipped_height * longest)) return 0;
+      if (!(n[i].norm() > min_flipped_height * longest)) return 0;
     }
     int folds = -folded(n[0], n[1]) + folded(before[0], before[1]);
     for (const auto& [u, v, was, now] :

@@ -13,7 +13,7 @@
 namespace tripatch {
 
 /// Of Subdivision::quality, as of the modifier; OpenSubdiv makes no stencils of finer ones.
-constexpr int least_quality = 1, most_quality = 10;
+constexpr int min_quality = 1, max_quality = 10;
 
 /// The settings of a Subdivision modifier, in Blender's own terms.
 struct Subdivision {

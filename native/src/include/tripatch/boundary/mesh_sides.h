@@ -23,7 +23,7 @@ struct MeshSides {
 
 /// Sides through the rim vertices, c and r twice continuously differentiable, with q; see docs/mathematics/surroundings.md. planes: those
 /// that the sides have whatever the mesh tells.
-/// around: of the mesh at least as far as most_rings around the rim, without faces to be replaced. Takes time by the hole. Throws a
+/// around: of the mesh at least as far as max_rings around the rim, without faces to be replaced. Takes time by the hole. Throws a
 /// Refusal where a vertex within the rings is not finite, a rim edge has no length or no face next to it, or the faces next to a rim
 /// vertex have no area.
 MeshSides mesh_sides(const Mesh& mesh, const Connectivity& around, const Hole& hole, const VertexPlanes& planes = {});

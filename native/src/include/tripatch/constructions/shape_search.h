@@ -18,6 +18,6 @@ public:
 };
 
 /// The path to the least energy, from the best local minima of a scan, by Newton's method; before it the shape that was given.
-std::vector<SzilvasiNagy::Step> least_energy(const ShapeEnergy& energy, const std::array<double, 3>& given);
+std::vector<SzilvasiNagy::Step> min_energy(const ShapeEnergy& energy, const std::array<double, 3>& given);
 
 }  // namespace tripatch

@@ -12,7 +12,7 @@ namespace tripatch {
 /// Between the faces at a sharp edge at least, of the holes in features.cpp: the sides of a cylinder of 14 corners stay below it (-12%,
 /// 127%; with 35 degrees 26%). Of 89 holes in scanned and modelled meshes, with edges of 15 degrees and more at the rim, half of it fills
 /// one otherwise, 12% farther.
-inline constexpr double least_crease_angle = 25 * std::numbers::pi / 180;
+inline constexpr double min_crease_angle = 25 * std::numbers::pi / 180;
 
 /// Flat walls that close a hole, one or more. Of wall i the piece of the rim from first[i] to first[i + 1] is part, and the straight
 /// creases at both ends of it: two walls share one that crosses the hole, more meet by threes in nodes, each joined to the next.

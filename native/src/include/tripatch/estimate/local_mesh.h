@@ -9,7 +9,7 @@
 namespace tripatch {
 
 /// Rings of faces around a rim that the estimate of its surroundings reads, and one that it only looks at.
-constexpr int most_rings = 6;
+constexpr int max_rings = 6;
 
 /// All numbers are those of `part`; positions are about `origin`, over `scale`.
 struct LocalMesh {
@@ -29,7 +29,7 @@ struct LocalMesh {
   Index vertex(int v) const { return part.vertex.items()[v]; }
 };
 
-/// around: of the mesh at least as far as most_rings around the rim. Throws a Refusal where a vertex within them is not finite, or a
+/// around: of the mesh at least as far as max_rings around the rim. Throws a Refusal where a vertex within them is not finite, or a
 /// rim edge has no length or no face next to it.
 LocalMesh local_mesh(const Mesh& mesh, const Connectivity& around, const Hole& hole);
 

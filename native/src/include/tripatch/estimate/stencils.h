@@ -28,16 +28,16 @@ struct Neighborhood {
   bool
       scaled;  ///< lengths across the rim are in rows of faces: long strips bend little across, or their mesh would be finer there
 };
-constexpr std::array<Neighborhood, 5> neighborhoods = {{{most_rings, true, true, false},
-                                                        {most_rings, false, false, false},
-                                                        {most_rings, false, false, true},
+constexpr std::array<Neighborhood, 5> neighborhoods = {{{max_rings, true, true, false},
+                                                        {max_rings, false, false, false},
+                                                        {max_rings, false, false, true},
                                                         {2, false, false, true},
                                                         {1, false, false, true}}};
 
 /// How far vertices are from the vertices at the ends of a side and from those of its neighbors there, squared.
 class SideDistances {
 public:
-  static constexpr int most = 2 * most_rings;  ///< edges of a side's end that are looked at together
+  static constexpr int most = 2 * max_rings;  ///< edges of a side's end that are looked at together
   struct Of {
     std::array<double, most + 1> from_start, from_end;  ///< from the nearest of the first vertices, up to the one of each place
     double before, after;                               ///< from the ends of the neighbors
@@ -62,9 +62,9 @@ public:
       d.from_end[k] = end = std::min(end, from(own_[own_.size() - 1 - k]));
     }
     d.before = d.after = INFINITY;
-    for (std::size_t k = 1; k < before_.size() && k <= most_rings; ++k)
+    for (std::size_t k = 1; k < before_.size() && k <= max_rings; ++k)
       d.before = std::min(d.before, from(before_[before_.size() - 1 - k]));
-    for (std::size_t k = 1; k < after_.size() && k <= most_rings; ++k) d.after = std::min(d.after, from(after_[k]));
+    for (std::size_t k = 1; k < after_.size() && k <= max_rings; ++k) d.after = std::min(d.after, from(after_[k]));
     return d;
   }
 

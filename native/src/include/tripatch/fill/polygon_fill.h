@@ -62,8 +62,8 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
                               const VertexPlanes& planes = {});
 
 /// A round rim has at least so many edges.
-constexpr Index least_round = 6;
-/// The patch over a disc whose rim has no corners. rim: in the direction of new faces, least_round edges or more. folded_too: as above.
+constexpr Index min_round = 6;
+/// The patch over a disc whose rim has no corners. rim: in the direction of new faces, min_round edges or more. folded_too: as above.
 PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options,
                        bool folded_too = true, const VertexPlanes& planes = {});
 

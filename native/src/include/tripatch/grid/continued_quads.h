@@ -19,7 +19,7 @@ struct QuadsInside {
 bool is_among_quads(const Connectivity& around, const std::vector<Index>& rim);
 
 /// Poles past which rows continue: the rim does not tell the places of more.
-inline constexpr Index most_poles = 1;
+inline constexpr Index max_poles = 1;
 
 /// Whether a rim is among quads, and the rows that end there continue in these: four quads meet at each of its vertices and inside, but
 /// for one vertex where three or five do.

@@ -9,9 +9,10 @@
 
 namespace tripatch {
 
-constexpr int most_order = 3;  ///< of differences
+constexpr int max_difference_order = 3;  ///< of differences
 /// Of differences of order 1, 2 and 3 along a row.
-constexpr std::array<std::array<double, most_order + 1>, most_order> difference_weights = {{{-1, 1}, {1, -2, 1}, {-1, 3, -3, 1}}};
+constexpr std::array<std::array<double, max_difference_order + 1>, max_difference_order> difference_weights = {
+    {{-1, 1}, {1, -2, 1}, {-1, 3, -3, 1}}};
 
 /// The sum of weights times positions of vertices.
 using Difference = std::vector<std::pair<Index, double>>;

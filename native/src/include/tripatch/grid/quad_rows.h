@@ -14,11 +14,9 @@ namespace tripatch {
 /// rectangle of rows.
 class QuadRows {
 public:
-  static constexpr Index most_beyond = 3;  ///< rows of vertices beyond a side
+  static constexpr Index max_beyond = 3;  ///< rows of vertices beyond a side
 
-  QuadRows(Index n, Index m) : n_(n), m_(m), vertex_(n + 1 + 2 * most_beyond, m + 1 + 2 * most_beyond) {
-    vertex_.setConstant(-1);
-  }
+  QuadRows(Index n, Index m) : n_(n), m_(m), vertex_(n + 1 + 2 * max_beyond, m + 1 + 2 * max_beyond) { vertex_.setConstant(-1); }
 
   Index n() const { return n_; }
   Index m() const { return m_; }
@@ -27,7 +25,7 @@ public:
   Index first(int axis) const { return -beyond_[2 * axis]; }
   Index last(int axis) const { return (axis == 0 ? n_ : m_) + beyond_[2 * axis + 1]; }
   /// -1 inside the block.
-  Index at(Index i, Index j) const { return vertex_(i + most_beyond, j + most_beyond); }
+  Index at(Index i, Index j) const { return vertex_(i + max_beyond, j + max_beyond); }
 
 private:
   friend std::optional<QuadRows> quad_rows(const Connectivity& around, const std::vector<Index>& rim);

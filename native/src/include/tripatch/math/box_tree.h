@@ -17,7 +17,7 @@ public:
   /// Calls take(number of the box) for each that meets a box.
   template <class Take>
   void each_meeting(const Box& box, const Take& take) const {
-    std::array<std::size_t, most_depth> open;
+    std::array<std::size_t, max_depth> open;
     std::size_t count = 0;
     if (!nodes_.empty()) open[count++] = 0;
     while (count > 0) {
@@ -35,7 +35,7 @@ public:
   }
 
 private:
-  static constexpr std::size_t few = 4, most_depth = 66;  // each node has half the boxes of the one above it
+  static constexpr std::size_t few = 4, max_depth = 66;  // each node has half the boxes of the one above it
   struct Node {
     Box box;
     std::size_t first, end, second = 0;  // the nodes after this one, and that; 0: a leaf

@@ -10,7 +10,7 @@
 namespace tripatch {
 
 /// Samples of HeightSpline: two rings around eight edges have about forty vertices. The time grows with the cube.
-constexpr std::size_t most_height_samples = 56;
+constexpr std::size_t max_height_samples = 56;
 /// Polynomials to degree 2.
 constexpr int quadric_terms = 6;
 using QuadricTerms = Eigen::Matrix<double, quadric_terms, 1>;
@@ -33,14 +33,14 @@ private:
 /// Likewise the polyharmonic spline of order 5/2, whose kernel is the cube of the distance and whose free polynomials go to degree 2.
 class HeightSpline {
 public:
-  /// `samples` must outlive it: more than quadric_terms, no more than most_height_samples.
+  /// `samples` must outlive it: more than quadric_terms, no more than max_height_samples.
   HeightSpline(const std::vector<Vec3>& samples, std::size_t rim);
   Vec3 at(const Vec2& place) const;
   /// Infinite where the samples do not determine it.
   double error() const { return error_; }
 
 private:
-  static constexpr int most = static_cast<int>(most_height_samples);
+  static constexpr int most = static_cast<int>(max_height_samples);
 
   const std::vector<Vec3>& samples_;
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most, 1> weights_;

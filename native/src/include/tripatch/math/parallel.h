@@ -34,7 +34,7 @@ class Job {
 public:
   using Piece = std::function<void(Index)>;
   struct Options {
-    Index most_helpers;                             ///< threads of the pool that work at the same time
+    Index max_helpers;                              ///< threads of the pool that work at the same time
     bool serial;                                    ///< whether these share nothing out
     const Cancel* cancel = CancelScope::current();  ///< ends what they do
   };
@@ -75,7 +75,7 @@ void parallel_for(Index from, Index to, Index least, const F& f) {
   check_interruption();
   if (shares > 1) {
     const auto share = [&](Index k) { f(from + n * k / shares, from + n * (k + 1) / shares); };
-    Job(shares, std::cref(share), {.most_helpers = shares - 1, .serial = true}).finish();
+    Job(shares, std::cref(share), {.max_helpers = shares - 1, .serial = true}).finish();
   } else if (n > 0) {
     f(from, to);
   }
@@ -126,7 +126,7 @@ class AsyncTask {
 public:
   template <class F>
   explicit AsyncTask(F f)
-      : job_(1, [this, f = std::move(f)](Index) { result_ = f(); }, {.most_helpers = 1, .serial = false, .cancel = &cancel_}) {}
+      : job_(1, [this, f = std::move(f)](Index) { result_ = f(); }, {.max_helpers = 1, .serial = false, .cancel = &cancel_}) {}
   ~AsyncTask() { cancel_.request(); }  // the job waits for the thread
   AsyncTask(const AsyncTask&) = delete;
   AsyncTask& operator=(const AsyncTask&) = delete;

@@ -14,7 +14,7 @@ class Numbering {
 public:
   Numbering() = default;
   /// Of items below `most`: where these are few each has a place of its own, which is found in a third of the time.
-  explicit Numbering(Index most) : direct_(most <= most_direct), place_(direct_ ? most : 0, -1) {}
+  explicit Numbering(Index most) : direct_(most <= max_direct), place_(direct_ ? most : 0, -1) {}
 
   /// Whether it had no number before.
   bool add(Index item) {
@@ -39,7 +39,7 @@ public:
   std::size_t size() const { return items_.size(); }
 
 private:
-  static constexpr Index most_direct = 20'000;  ///< to clear as many places takes as long as to hash some hundred items
+  static constexpr Index max_direct = 20'000;  ///< to clear as many places takes as long as to hash some hundred items
 
   int& place_to_add(Index item);
   std::size_t slot(Index item) const;

@@ -25,9 +25,9 @@ public:
   virtual ~DomainMesh() = default;
 
 protected:
-  static constexpr double growth = 0.4;             // of the size per distance, where the rim is finer than the inside
-  static constexpr double most_triangles = 50'000;  // wanted where the rim's density says the count; grading adds to it
-  static constexpr double most_over = 8;  // times as many triangles as the sizes say: no more are made (5 where a rim is uneven)
+  static constexpr double growth = 0.4;            // of the size per distance, where the rim is finer than the inside
+  static constexpr double max_triangles = 50'000;  // wanted where the rim's density says the count; grading adds to it
+  static constexpr double max_over = 8;  // times as many triangles as the sizes say: no more are made (5 where a rim is uneven)
   static constexpr double too_long = 4.0 / 3, too_short = 0.75;  // times the size: where edges are split and collapsed
 
   /// Edges looked at for each triangle until flips have come to no end, which there may be none of where the surface folds over itself; and

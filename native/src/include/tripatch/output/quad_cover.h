@@ -15,7 +15,7 @@
 namespace tripatch {
 
 /// Extra rows that are tried, at most: beyond them the edges of the rim decide how near the quads come.
-constexpr int most_extra_rows = 4;
+constexpr int max_extra_rows = 4;
 constexpr double default_tolerance = 1e-3;  ///< of the hole's diameter
 
 struct LayoutOptions {

@@ -21,16 +21,16 @@
 namespace tripatch {
 
 /// Sides that a polygon has at most: those of a regular one turn by 30 degrees, and parameters crowd the more the more there are. A choice.
-constexpr int most_sides = 12;
+constexpr int max_sides = 12;
 
 /// A point of a polygon seen from all its sides and corners.
 template <int N>
 struct Place {
-  std::array<Jet<N>, most_sides> phi;    ///< distance from the line of each side
-  std::array<Jet<N>, most_sides> t;      ///< parameter on each side
-  std::array<Jet<N>, most_sides> side;   ///< weights 1 + O(phi_i^2) at side i, O(phi_j^2) at the others; sum 1; 0/0 at corners
-  std::array<Jet<N>, most_sides> cubic;  ///< the same with cubes
-  std::array<Jet<N>, most_sides>
+  std::array<Jet<N>, max_sides> phi;    ///< distance from the line of each side
+  std::array<Jet<N>, max_sides> t;      ///< parameter on each side
+  std::array<Jet<N>, max_sides> side;   ///< weights 1 + O(phi_i^2) at side i, O(phi_j^2) at the others; sum 1; 0/0 at corners
+  std::array<Jet<N>, max_sides> cubic;  ///< the same with cubes
+  std::array<Jet<N>, max_sides>
       corner;     ///< smooth weights of the corners: those of the two ends of a side sum to 1 + O(phi^2) there
   Jet<N> bubble;  ///< smooth, O(phi_i) at each side, 1 at the center
 };
@@ -38,9 +38,9 @@ struct Place {
 /// Products of all factors but one, or but two neighbors, without dividing.
 template <int N>
 struct Products {
-  std::array<Jet<N>, most_sides + 1> upto, from;
+  std::array<Jet<N>, max_sides + 1> upto, from;
   int n;
-  Products(const std::array<Jet<N>, most_sides>& f, int count) : n(count) {
+  Products(const std::array<Jet<N>, max_sides>& f, int count) : n(count) {
     upto[0] = from[n] = Jet<N>(1.0);
     for (int k = 0; k < n; ++k) upto[k + 1] = upto[k] * f[k];
     for (int k = n; k-- > 0;) from[k] = f[k] * from[k + 1];
@@ -110,12 +110,12 @@ private:
   template <int N>
   Place<N> place_in_lens(const Jet<N>& u, const Jet<N>& v) const;
   template <int N>
-  Jet<N> bubble_in_lens(const std::array<Jet<N>, most_sides>& phi) const {
+  Jet<N> bubble_in_lens(const std::array<Jet<N>, max_sides>& phi) const {
     return (1 / (height_ * height_)) * (phi[0] * phi[1]);
   }
   /// Wachspress: C_i times the distances from all sides but the two at corner i.
   template <int N>
-  Jet<N> corner_product(int i, const std::array<Jet<N>, most_sides>& phi, const Products<N>& products) const;
+  Jet<N> corner_product(int i, const std::array<Jet<N>, max_sides>& phi, const Products<N>& products) const;
 
   std::vector<Vec2> corners_, inward_;
   std::vector<std::array<double, 2>> reach_;  // of side i: distance of its end from side i - 1, of its start from side i + 1
@@ -184,7 +184,7 @@ Place<N> PolygonDomain::place(const Jet<N>& u, const Jet<N>& v) const {
 }
 
 template <int N>
-Jet<N> PolygonDomain::corner_product(int i, const std::array<Jet<N>, most_sides>& phi, const Products<N>& products) const {
+Jet<N> PolygonDomain::corner_product(int i, const std::array<Jet<N>, max_sides>& phi, const Products<N>& products) const {
   Jet<N> others = turn_[i];
   if (i > 0) return others * (products.upto[i - 1] * products.from[i + 1]);
   for (int k = 1; k < sides() - 1; ++k) others *= phi[k];
@@ -193,7 +193,7 @@ Jet<N> PolygonDomain::corner_product(int i, const std::array<Jet<N>, most_sides>
 
 template <int N>
 Jet<N> PolygonDomain::bubble(const Jet<N>& u, const Jet<N>& v) const {
-  std::array<Jet<N>, most_sides> distances;
+  std::array<Jet<N>, max_sides> distances;
   for (int i = 0; i < sides(); ++i) distances[i] = phi(i, u, v);
   if (is_lens()) return bubble_in_lens(distances);
   const Products<N> products(distances, sides());

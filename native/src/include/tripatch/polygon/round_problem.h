@@ -32,7 +32,7 @@ Harmonic fourier(const F& f, int order) {
 /// Slopes at the rim grow by no more than this. Near the end of a tube caps have ever less energy the longer they are, for a cylinder is a
 /// quadric too: without a bound descent left the valley of caps about as high as wide, up to 1,900 diameters high. Caps of revolution
 /// are found in another way (revolved.h).
-constexpr double most_slope = 5;
+constexpr double max_slope = 5;
 
 /// A patch of `side` that keeps G1 to it, and what is asked of it besides. The derivative along the radius at the rim is alpha r + beta c'.
 struct RoundBase {

@@ -11,14 +11,14 @@
 namespace tripatch {
 
 /// Triangles of the surroundings, at most: laying them out must not take longer than all the rest.
-constexpr Index most_laid_out = 12'000;
+constexpr Index max_laid_out = 12'000;
 /// Rims of more edges are filled on coarser ones: laying out their thousands of triangles takes longer than all the rest. Where that is
 /// not possible, or what is continued or met is given, they are seen from above if nothing leans by more than 60 degrees. Shorter ones
 /// are not: laid out, spheres under noise are twice as near.
 constexpr Index long_rim = 400;
 /// What is coarsened may have more triangles: no more than coarsening takes as long for as the rest does.
-constexpr Index most_coarsened = 1'000'000;
-inline Index most_triangles_around(Index rim) { return rim > long_rim ? most_coarsened : most_laid_out; }
+constexpr Index max_coarsened = 1'000'000;
+inline Index max_triangles_around(Index rim) { return rim > long_rim ? max_coarsened : max_laid_out; }
 
 struct Disc {
   std::vector<Index> vertices;                  ///< of the mesh; those of the loops come first, loop by loop
@@ -45,13 +45,13 @@ Rows with_points_on_edges(const Disc& disc, const Rows& at_vertices) {
   return all;
 }
 
-/// Rings of faces around loops of the border until half of the outermost vertices are `reach` away (scene units), `most_rings` at
+/// Rings of faces around loops of the border until half of the outermost vertices are `reach` away (scene units), `max_rings` at
 /// most; as far as the outer border does not draw together (the far end of a limb). Vertices that are not finite end it.
-/// most_triangles: after the ring with which there are so many none follows.
+/// max_triangles: after the ring with which there are so many none follows.
 Disc disc_around(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, double reach,
-                 int most_rings, Index most_triangles = most_laid_out);
+                 int max_rings, Index max_triangles = max_laid_out);
 /// The same with its points on long edges.
 Disc disc_to_sample(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, double reach,
-                    int most_rings);
+                    int max_rings);
 
 }  // namespace tripatch

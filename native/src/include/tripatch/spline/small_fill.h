@@ -10,7 +10,7 @@
 namespace tripatch {
 
 /// Edges of the longest rim that is filled so.
-constexpr std::size_t most_edges_of_small = 8;
+constexpr std::size_t max_edges_of_small = 8;
 
 /// rim: a border loop in the direction of the new faces. Triangles by Delaunay in the plane of the faces of two rings around, with new
 /// vertices where these would be larger than the edges of the rim ask for (Liepa 2003, "Filling holes in meshes"), on the polyharmonic
