@@ -298,7 +298,8 @@ def blender(blend, *arguments, script=SCRIPT, setup=INSTALLED):
             command[3:3] = ["--python-expr", setup]
     else:
         start = f"{setup}\nimport bpy, os, sys, runpy\nbpy.ops.wm.open_mainfile(filepath={str(blend)!r})\n"
-        start += f"sys.argv = ['blender', '--', *{list(arguments)!r}]\ntry: runpy.run_path({str(script)!r}, run_name='__main__')\n"
+        start += f"sys.argv = ['blender', '--', *{list(arguments)!r}]\n"
+        start += f"try: runpy.run_path({str(script)!r}, run_name='__main__')\n"
         start += "except SystemExit as end: sys.stdout.flush(); os._exit(end.code)"  # conftest.py says how bpy 4.2 would end
         command = [sys.executable, "-c", start]
     return subprocess.run(command, capture_output=True, text=True, timeout=100, env=dict(os.environ), check=False)
