@@ -239,7 +239,8 @@ def _run(arguments):
         refused = [each.sentence for each in outcome.refused]
         for sentence in refused:
             print(f"{ob.name}: {sentence}", file=sys.stderr)
-        holes = [report.as_dict() for report in outcome.reports]
+        through = zip(outcome.reports, outcome.passages, strict=True)
+        holes = [report.as_dict() | {"passes_through": place} for report, place in through]
         borders = [{"code": "outer_border_left_open", "edges": edges} for edges in outcome.left_open]
         reports.append({"object": ob.name, "filled": holes, "refused": refused, "outer_borders": borders})
         total.add(outcome, ob.name)
@@ -251,7 +252,7 @@ def _run(arguments):
     if not total.reports:
         print(selection.NothingToFill(total.left_open, option=option))
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(arguments.out), copy=True)
-    flawed = any(
+    flawed = any(total.passages) or any(
         report.triangles_folded > report.rim_folded or report.crosses_itself or "none" in report.continuity
         for report in total.reports
     )

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import bpy
 
 from . import seam, selection, sentences, subdivision, waiting, writeback
-from .library import ANY_RIM, index_lists, np, tripatch, words
+from .library import ANY_RIM, index_lists, np, passages, tripatch, words
 from .selection import NothingToFill, OptionsError, Surroundings, UnusableError
 
 
@@ -79,6 +79,7 @@ class Outcome:
     """What became of the holes of one mesh or of several."""
 
     reports: list = field(default_factory=list)  # tripatch.Report of each filled hole
+    passages: list = field(default_factory=list)  # for each a place where it passes through the mesh, or None
     refused: list = field(default_factory=list)  # Refused
     notes: list = field(default_factory=list)  # sentences on holes that were filled
     faces: int = 0
@@ -94,6 +95,7 @@ class Outcome:
 
     def add(self, other, name=""):
         self.reports += other.reports
+        self.passages += other.passages
         self.refused += [refused.of(name) for refused in other.refused]
         self.notes += [_of_object(name, sentence) for sentence in other.notes]
         self.faces += other.faces
@@ -110,7 +112,7 @@ class Outcome:
     def alarms(self):
         """Whether there is something that a person should look at, or can mend."""
         folds = any(r.crosses_itself or r.triangles_folded > r.rim_folded for r in self.reports)
-        return folds or self.instead or any(map(sentences.can_be_mended, self.notes))
+        return folds or any(self.passages) or self.instead or any(map(sentences.can_be_mended, self.notes))
 
     def count(self, faces, output):
         """The new faces, as lists of vertices or corners."""
@@ -550,7 +552,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None,
             raise UnusableError("exact_needs_creases", modifier=modifier.name)
     # What one rim replaces would be missing around another that it touches; cages are fitted to what cages before have changed.
     apart = cages or any(rim.replaced for rim in rims)
-    planned, loops, said = [], [], []
+    planned, loops, said, made = [], [], [], []
     for group in _clear_of_each_other(rims) if apart else [rims]:
         usable = [rim for rim in group if all(element.is_valid for element in (*rim.vertices, *rim.replaced))]
         outcome.refused += [Refused(tripatch.Message("boundary_replaced"))] * (len(group) - len(usable))
@@ -572,17 +574,41 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None,
             outcome.reports.append(plan.fill.report)
             unknown = options.deviation and plan.fill.deviation is None
             said.append((plan.loop, [*plan.fill.report.warnings, *notes, *[tripatch.Message("no_error_estimate")] * unknown]))
+            made.append((said[-1], len(plan.fill.faces)))
         if planned and cages:
             new_faces += writeback.write(bm, mesh, planned, options)
             planned = []
     if planned:
         new_faces += writeback.write(bm, mesh, planned, options)
+    if made:
+        counts = [count for _, count in made]
+        outcome.passages = _passages(bm, matrix, new_faces, counts, subdivision.Cage(bm, modifier) if cages else None)
+    for ((loop, told), _), place in zip(made, outcome.passages, strict=True):
+        told += passes(place, loop)
     new_faces = [face for face in new_faces if face.is_valid]
     outcome.notes += _gathered(bm, said)
     outcome.count([face.verts for face in new_faces], options.arguments.get("output"))
     if loops:
         seam.remember(bm, mesh.name, loops, angle=None if cages else words.seam_angle(outcome.reports))
     return outcome, new_faces
+
+
+def _passages(bm, matrix, new_faces, counts, cage):
+    """For each fill a place where it passes through the mesh that it is in now, or None. counts: how many of the new faces are
+    its own."""
+    bm.verts.index_update()
+    bm.faces.index_update()
+    positions, faces = mesh_arrays(bm, matrix)
+    fill_of_face = np.full(len(bm.faces), -1)
+    for face, fill in zip(new_faces, np.repeat(np.arange(len(counts)), counts).tolist(), strict=True):
+        if face.is_valid:
+            fill_of_face[face.index] = fill
+    return passages.of_faces(positions, faces, fill_of_face.tolist(), cage.near(index_lists(faces)) if cage else None)
+
+
+def passes(place, loop):
+    """What is said of a fill that passes through the mesh at a place; None: nothing."""
+    return [tripatch.Message("fill_passes_through", {"place": words.place(place)}, [loop[0].index])] if place else []
 
 
 def diameter(loop, matrix):

@@ -11,7 +11,7 @@ NEEDS_NUMPY = "TriPatch needs NumPy: install the package python3-numpy (apt inst
 LIBRARY_MISSING = "TriPatch cannot load its library: {error}"
 #: One sentence for the user, empty when all is there.
 missing = ""
-np = tripatch = arguments = charts = constituents = quality = words = index_lists = None
+np = tripatch = arguments = charts = constituents = passages = quality = words = index_lists = None
 try:
     import numpy as np  # noqa: F401
 except ImportError:
@@ -20,7 +20,7 @@ else:
     try:
         import tripatch.borders
         import tripatch.options
-        from tripatch import arguments, charts, constituents, quality, words  # noqa: F401
+        from tripatch import arguments, charts, constituents, passages, quality, words  # noqa: F401
         from tripatch._arrays import index_lists  # noqa: F401
     except ImportError as error:
         missing = LIBRARY_MISSING.replace("{error}", str(error))

@@ -100,8 +100,9 @@ def fill_rims(ob, bm, matrix, rims, options):
 
 def _fill_rims(ob, bm, modifier, matrix, rims, named, options):
     """The same for rims of the cage that the modifier subdivides. named: the rims in the object's own BMesh."""
-    arrays = selection.Surroundings(bm, matrix).around(*rims)
-    settings = subdivision.Cage(bm, modifier).near(arrays[1])
+    positions, faces_around = filling.mesh_arrays(bm, matrix)
+    arrays = positions, faces_around, sorted(f.index for rim in rims for f in rim.replaced)
+    settings = subdivision.Cage(bm, modifier).near(index_lists(faces_around))
     fills = filling.fills(rims, arrays, options, subdivision=settings, level=subdivision.level_of(modifier))
     inverse = np.linalg.inv(matrix[:3, :3])
     outcome, vertices, faces, materials, smooth = filling.Outcome(), [], [], [], []
@@ -131,12 +132,12 @@ def _fill_rims(ob, bm, modifier, matrix, rims, named, options):
         vertices.append(points)
         count += len(points)
         outcome.reports.append(fill.report)
+        outcome.passages.append(fill.passes_through)
         outcome.rim_edges.append(len(fill.border))
         if options.arguments.get("output", "triangles") != "triangles":
             outcome.diameters.append(filling.diameter(own.loop, matrix))
-        said.append(
-            (min(v.index for v in own.loop), [*fill.report.warnings, *[tripatch.Message("faces_stay")] * bool(rim.replaced)])
-        )
+        told = [*fill.report.warnings, *filling.passes(fill.passes_through, own.loop)]
+        said.append((min(v.index for v in own.loop), [*told, *[tripatch.Message("faces_stay")] * bool(rim.replaced)]))
     if not vertices:
         return outcome, None
     outcome.notes += words.gathered(said)

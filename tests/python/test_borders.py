@@ -284,21 +284,6 @@ def test_holes_that_do_not_face_each_other_are_no_islands(name):
     assert len(fills) == len(tripatch.find_holes(faces))
 
 
-def test_a_fill_that_passes_through_the_mesh_is_reported_with_its_place(tmp_path, capsys):
-    plate = sheet(8, 1.0, [k for k in range(64) if 2 <= k // 8 < 6 and 2 <= k % 8 < 6])
-    fin = np.array([[0.55, 0.4, -0.3], [0.55, 0.6, -0.3], [0.55, 0.6, 0.3], [0.55, 0.4, 0.3]])
-    vertices, faces = together(plate, (fin, [[0, 1, 2], [0, 2, 3]]))
-    (fill,) = tripatch.fill_all(vertices, faces)
-    x, y, z = fill.passes_through
-    assert abs(x - 0.55) < 1e-9 and 0.4 <= y <= 0.6 and abs(z) < 0.3
-    assert tripatch.fill(*plate).passes_through is None
-    report = tmp_path / "report.json"
-    path = write_obj(tmp_path / "in.obj", (vertices, faces))
-    code, text, err = run(capsys, "fill", path, tmp_path / "out.obj", "--all", "--report", report)
-    assert code == 3 and "passes through the mesh near (0.55, " in err
-    assert json.loads(report.read_text())["holes"][0]["passes_through"] == [x, y, z]
-
-
 @pytest.mark.parametrize(
     ("out", "said"),
     [

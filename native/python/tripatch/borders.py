@@ -191,16 +191,3 @@ def _refusal(loop: list[int], contact: Any) -> Refusal:
     if on_others:
         code = "rim_on_borders" if on_others == len(loop) else "edges_on_borders"
     return Refusal.of(Message(code, {"count": int(on_others), "edges": len(loop), "edge": [int(a), int(b)]}, loop))
-
-
-def passages(vertices: Array, offsets: Array, corners: Array, fills: list[_native.Filled], replaced: Any = ()) -> list[Any]:
-    """For each fill of the core a place where it passes through a face of the mesh beyond those at its rim, else None."""
-    if not fills:
-        return []
-    if len(replaced):
-        sizes = np.diff(offsets)
-        stays = np.ones(len(sizes), bool)
-        stays[np.asarray(replaced)] = False
-        corners, sizes = corners[np.repeat(stays, sizes)], sizes[stays]
-        offsets = np.concatenate([[0], np.cumsum(sizes)])
-    return _native._passages(vertices, offsets, corners, fills)

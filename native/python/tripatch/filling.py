@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from . import _arrays, _native, words
+from . import _arrays, _native, passages, words
 from ._native import Patch, Report, Side
 from ._types import Array, ArrayLike, Faces
-from .borders import Holes, Joined, passages
+from .borders import Holes, Joined
 from .errors import Refusal
 from .holes import SURROUNDING_RINGS
 from .options import OPTIONS, checked, not_at_default, takes_options, value, whole
@@ -297,14 +297,15 @@ class Source:
             whole=len(seen),
         )
 
-    def limit(self, fill: Fill, level: int) -> tuple[Array, Array]:
-        """The cage with the fill, and others that were fitted together with it, in place; and its limit surface in the fill."""
+    def with_cages(self, fill: Fill) -> tuple[Array, list[list[int]], _native.Subdivision, list[int]]:
+        """The cage with the fill, and others that were fitted together with it, in place: vertices, faces, settings of its
+        subdivision, and how many of the last faces each fill has, the others first."""
         settings = checked(self.function, self.options)["subdivision"]
         gone = set(fill.replaced.tolist())
         points = self.vertices.copy()
         rows = enumerate(zip(self.offsets, self.offsets[1:], strict=False))
         faces = [self.corners[a:b].tolist() for f, (a, b) in rows if f not in gone]
-        subdivision, first = _native.Subdivision(settings), 0
+        subdivision, counts = _native.Subdivision(settings), []
         for each in [*(other for other in self.others if other is not fill), fill]:
             n, by = len(self.vertices), len(points) - len(self.vertices)
 
@@ -313,19 +314,27 @@ class Source:
 
             points = np.concatenate([points, each.vertices])
             points[each.moved[0]] = each.moved[1]
-            for k, edge in enumerate(each.split_edges[0].tolist()):
-                for face in faces:
-                    for place, v in enumerate(face):
-                        if {v, face[(place + 1) % len(face)]} == set(edge):
-                            face.insert(place + 1, n + by + k)
-                            break
+            splits = {frozenset(edge): n + by + k for k, edge in enumerate(each.split_edges[0].tolist())}
+            if splits:
+                faces = [_split(face, splits) for face in faces]
             creased = [[own(v) for v in edge] for edge in each.creases[0].tolist()]
             subdivision.crease_edges = subdivision.crease_edges + creased
             subdivision.edge_creases = subdivision.edge_creases + each.creases[1].tolist()
-            first = len(faces)
             faces += [[own(v) for v in face] for face in _arrays.index_lists(each.faces)]
-        limit, quads = _native._sample_limit(points, *_arrays.faces(faces), subdivision, first, level)
-        return limit, quads.reshape(-1, 3 if settings.loop else 4)
+            counts.append(len(each.faces))
+        return points, faces, subdivision, counts
+
+    def limit(self, fill: Fill, level: int) -> tuple[Array, Array]:
+        """The limit surface in a fill that is a cage."""
+        points, faces, subdivision, counts = self.with_cages(fill)
+        limit, quads = _native._sample_limit(points, *_arrays.faces(faces), subdivision, len(faces) - counts[-1], level)
+        return limit, quads.reshape(-1, 3 if subdivision.loop else 4)
+
+
+def _split(face: list[int], splits: dict[frozenset[int], int]) -> list[int]:
+    """A face with the vertices that lie on its edges."""
+    ends = zip(face, [*face[1:], face[0]], strict=True)
+    return [v for a, b in ends for v in (a, splits.get(frozenset((a, b)), -1)) if v >= 0]
 
 
 @takes_options
@@ -350,8 +359,8 @@ def fill(vertices: ArrayLike, faces: Faces, *, progress: Callable[[int, int], ob
     made = _native._fill(v, offsets, corners, not_at_default("fill", given), progress)
     rim = given["rim"] if given["rim"] is not None else _from_lowest(made.rim)
     filled = Fill(made, Source("fill", v, offsets, corners, options, rim))
-    if _is_in_mesh(given):
-        (filled.passes_through,) = passages(v, offsets, corners, [made], given["replaced"])
+    cage = given["output"] == "cage"
+    (filled.passes_through,) = passages.of_cages([filled]) if cage else passages.of_fills((v, offsets, corners), [made], given)
     return filled
 
 
@@ -418,7 +427,8 @@ def fill_all(
     else:
         results = _native._fill_all(*mesh, loops, given, by_rim, progress, holes.connected if holes else None)
     natives = [result for result in results if not isinstance(result, Refusal)]
-    through = iter(passages(*mesh, natives, given["replaced"]) if _is_in_mesh(given) else [None] * len(natives))
+    cages = given["output"] == "cage"
+    through = iter([None] * len(natives) if cages else passages.of_fills(mesh, natives, given))
     together: list[Any] = []
     fills: list[Fill | Refusal] = []
     for k, result in enumerate(results):
@@ -432,17 +442,14 @@ def fill_all(
         filled = Fill(holes.brought_back(result) if holes else result, source)
         filled.passes_through = next(through)
         fills.append(filled)
-        if given["output"] == "cage":
+        if cages:
             source.others = together
             together.append(filled)
+    for filled, place in zip(together, passages.of_cages(together), strict=True):
+        filled.passes_through = place
     if not holes:
         return Fills(fills, [np.array(loop, np.int64) for loop in loops])
     return Fills(fills, [holes.in_mesh(loop) for loop in loops], holes.outer_borders, holes.joined)
-
-
-def _is_in_mesh(given: Any) -> bool:
-    """Whether what is delivered are faces of the surface, in the mesh."""
-    return bool(given["output"] != "cage" and given["surroundings"] == "mesh")
 
 
 def _with_islands(mesh: Any, holes: Holes, options: dict[str, Any], by_rim: list[Any], progress: Any) -> list[Any]:

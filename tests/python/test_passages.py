@@ -1,0 +1,67 @@
+"""Fills that pass through other faces of the mesh."""
+
+import json
+
+import numpy as np
+import pytest
+import tripatch
+from test_cli import run, write_obj
+from test_outer_borders import sheet, together
+from tripatch import _arrays, passages
+
+PLATE = sheet(8, 1.0, [k for k in range(64) if 2 <= k // 8 < 6 and 2 <= k % 8 < 6])
+FIN = np.array([[0.55, 0.4, -0.3], [0.55, 0.6, -0.3], [0.55, 0.6, 0.35], [0.55, 0.4, 0.35]])
+
+
+def test_a_fill_that_passes_through_the_mesh_is_reported_with_its_place(tmp_path, capsys):
+    vertices, faces = together(PLATE, (FIN, [[0, 1, 2], [0, 2, 3]]))
+    (fill,) = tripatch.fill_all(vertices, faces)
+    x, y, z = fill.passes_through
+    assert abs(x - 0.55) < 1e-9 and 0.4 <= y <= 0.6 and abs(z) < 0.35
+    assert tripatch.fill(*PLATE).passes_through is None
+    report = tmp_path / "report.json"
+    path = write_obj(tmp_path / "in.obj", (vertices, faces))
+    code, text, err = run(capsys, "fill", path, tmp_path / "out.obj", "--all", "--report", report)
+    assert code == 3 and "passes through the mesh near (0.55, " in err
+    assert json.loads(report.read_text())["holes"][0]["passes_through"] == [x, y, z]
+
+
+def at_fin(place):
+    return place is not None and abs(place[0] - 0.55) < 1e-9 and 0.4 <= place[1] <= 0.6 and abs(place[2]) < 0.3
+
+
+@pytest.mark.parametrize("options", [{"output": "cage"}, {"surroundings": "limit", "corners": [20, 56, 60]}], ids=str)
+def test_of_a_cage_its_limit_surface_is_looked_at(options):
+    """The limit surface of a single quad keeps off its corners: of two fins whose cages cross the fill one passes through it."""
+    hole = next(loop.tolist() for loop in tripatch.find_holes(PLATE[1]) if len(loop) == 16)
+    for top, passes in ((0.35, True), (0.01, False)):
+        fin = FIN.copy()
+        fin[2:, 2] = top
+        fill = tripatch.fill(*together(PLATE, (fin, [[0, 1, 2, 3]])), rim=hole, **options)
+        assert at_fin(fill.passes_through) if passes else fill.passes_through is None
+        corners = [options["corners"]] if "corners" in options else None
+        given = {name: each for name, each in options.items() if name != "corners"}
+        (filled,) = tripatch.fill_all(*together(PLATE, (fin, [[0, 1, 2, 3]])), [hole], corners=corners, **given)
+        assert filled.passes_through == fill.passes_through
+
+
+def test_fills_that_pass_through_each_other_are_reported():
+    upright = PLATE[0] @ np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]]) + [0.55, 0, -0.47]
+    vertices, faces = together(PLATE, (upright, PLATE[1]))
+    fills = tripatch.fill_all(vertices, faces, islands="none")
+    assert len(fills) == 2 and all(fill.passes_through for fill in fills)
+    assert all(abs(fill.passes_through[0] - 0.55) < 1e-9 and abs(fill.passes_through[2]) < 1e-9 for fill in fills)
+
+
+@pytest.mark.parametrize("output", ["triangles", "cage"])
+def test_fills_that_are_faces_of_the_mesh_pass_through_it_as_before(output):
+    vertices, faces = together(PLATE, (FIN, [[0, 1, 2, 3]]))
+    (fill,) = tripatch.fill_all(vertices, faces, output=output)
+    whole = [*faces, *_arrays.index_lists(fill.faces)]
+    made = np.concatenate([vertices, fill.vertices])
+    made[fill.moved[0]] = fill.moved[1]
+    of_face = [-1] * len(faces) + [0] * len(fill.faces)
+    assert passages.of_faces(made, whole, of_face, {} if output == "cage" else None) == [fill.passes_through]
+    assert at_fin(fill.passes_through)
+    without_fin = [k for k, face in enumerate(whole) if min(face) < len(PLATE[0]) or of_face[k] == 0]
+    assert passages.of_faces(made, [whole[k] for k in without_fin], [of_face[k] for k in without_fin]) == [None]
