@@ -5,7 +5,6 @@
 #include <deque>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "tripatch/creases/crease_curve.h"
@@ -52,13 +51,13 @@ public:
     const Index r = static_cast<Index>(rim.size());
     for (Index k = 0; k < r; ++k) around_ += edge(k);
     if (options.resolution) even_ = around_ / (3 * *options.resolution);
-    for (const Crease& crease : features.creases) {
+    if (features.walls) join(*features.walls);
+    for (const Crease& crease : features.walls ? std::vector<Crease>() : features.creases) {
       if (crease.ends.size() == 2)
         cross(crease);
       else
         meet(crease);
     }
-    if (features.walls) join(*features.walls);
   }
 
   const std::vector<VertexLoop>& loops() const { return loops_; }
@@ -168,6 +167,35 @@ private:
     }
   }
 
+  /// Walls that meet along straight creases.
+  void join(const FlatWalls& walls) {
+    const Index r = static_cast<Index>(rim_.size());
+    double sum = 0, ends = 0;  // sizes of edges at the rim
+    for (const EdgeKey& crease : walls.creases)
+      for (const Index corner : crease)
+        if (corner < r) sum += size(corner), ++ends;
+    const double mean = ends > 0 ? sum / ends : around_ / static_cast<double>(r);
+    VertexLoop nodes;
+    for (const Vec3& node : walls.nodes) nodes.push_back(add(node, 0));
+    const auto vertex = [&](Index corner) { return corner < r ? rim_[corner] : nodes[corner - r]; };
+    std::map<EdgeKey, VertexLoop> creases;
+    for (const auto& [from, to] : walls.creases) {
+      const Index least = from < r && to < r && !(even_ > 0 && !clearly_less(even_ * 3, around_)) ? 2 : 1;
+      creases[{from, to}] = straight(vertex(from), vertex(to), from < r ? size(from) : mean, to < r ? size(to) : mean, least);
+    }
+    loops_.clear();
+    for (const std::vector<Index>& part : walls.parts) {
+      loops_.emplace_back();
+      for (std::size_t k = 0; k < part.size(); ++k) {
+        const Index from = part[k], to = part[(k + 1) % part.size()];
+        const auto crease = creases.find(edge_key(from, to));
+        VertexLoop way = crease == creases.end() ? VertexLoop{vertex(from), vertex(to)} : crease->second;
+        if (from > to && crease != creases.end()) std::reverse(way.begin(), way.end());
+        loops_.back().insert(loops_.back().end(), way.begin(), way.end() - 1);
+      }
+    }
+  }
+
   /// New points of a straight crease between two rows.
   VertexLoop straight(Index from, Index to, double before, double after, Index least) {
     const Vec3 a = point(from), b = point(to);
@@ -175,42 +203,6 @@ private:
     start << (2 * a - b).transpose(), a.transpose();
     end << b.transpose();
     return points_along(from, to, CreaseCurve(start, end, (before + after) / 2), before, after, least);
-  }
-
-  /// Walls that meet in a line across the hole, or in nodes.
-  void join(const FlatWalls& walls) {
-    const std::size_t n = walls.first.size();
-    if (n == 1) return;
-    const Index r = static_cast<Index>(rim_.size());
-    std::vector<double> sizes;
-    for (Index place : walls.first) sizes.push_back(size(place));
-    const double mean = std::accumulate(sizes.begin(), sizes.end(), 0.0) / static_cast<double>(n);
-    VertexLoop nodes;
-    for (const Vec3& node : walls.nodes) nodes.push_back(add(node, 0));
-    std::vector<VertexLoop> creases;  // from the beginning of each wall's piece
-    if (nodes.empty()) {
-      creases.push_back(straight(rim_[walls.first[0]], rim_[walls.first[1]], sizes[0], sizes[1], 2));
-      creases.emplace_back(creases[0].rbegin(), creases[0].rend());
-    }
-    for (std::size_t i = 0; i < walls.node.size(); ++i)
-      creases.push_back(straight(rim_[walls.first[i]], nodes[walls.node[i]], sizes[i], mean, 1));
-    std::vector<VertexLoop> between;  // a node and the next
-    for (std::size_t k = 0; k + 1 < nodes.size(); ++k) between.push_back(straight(nodes[k], nodes[k + 1], mean, mean, 1));
-    loops_.clear();
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t next = (i + 1) % n;
-      VertexLoop part;
-      for (Index k = walls.first[i]; k % r != walls.first[next]; ++k) part.push_back(rim_[k % r]);
-      part.insert(part.end(), creases[next].begin(), creases[next].end() - 1);
-      const std::vector<Index> beside = walls.nodes_beside(i);
-      for (std::size_t k = 0; k + 1 < beside.size(); ++k) {
-        VertexLoop way = between[std::min(beside[k], beside[k + 1])];
-        if (beside[k] > beside[k + 1]) std::reverse(way.begin(), way.end());
-        part.insert(part.end(), way.begin(), way.end() - 1);
-      }
-      if (!nodes.empty()) part.insert(part.end(), creases[i].rbegin(), creases[i].rend() - 1);
-      loops_.push_back(std::move(part));
-    }
   }
 
   const Mesh& mesh_;

@@ -144,13 +144,11 @@ public:
   }
 
   /// Pairs of ends that see each other, the best first, none across another; where three or more meet at a point, those that go
-  /// straight_on on before, others after, and these only where no walls meet.
-  std::vector<Crease> creases(std::vector<CreaseEnd> ends, bool any_wall) const {
+  /// straight_on on before, others after.
+  std::vector<Crease> creases(std::vector<CreaseEnd> ends) const {
     std::vector<Crease> out = pairs(ends, straight_on);
-    if (out.empty()) {
+    if (out.empty())
       if (std::optional<Crease> met = meet(ends)) return {std::move(*met)};
-      if (any_wall) return {};
-    }
     std::vector<Crease> others = pairs(ends, 2 * widest_view);
     return others.size() > out.size() ? others : out;
   }
@@ -366,17 +364,14 @@ Features find_features(const Mesh& mesh, const Connectivity& around, const std::
   Features features;
   if (!may_have_features(mesh, around, rim)) return features;
   const double across = diameter(mesh, rim);
-  const bool any_wall = flat_walls(mesh, around, rim, across, {}).has_value();
   const Disc disc = disc_around(mesh, around, {rim}, crease_reach * across, max_crease_rings);
   features.vertices = disc.vertices;
   std::sort(features.vertices.begin(), features.vertices.end());
   const EdgeAngles angles(mesh, around, features.vertices);
   const CreaseFinder finder(mesh, around, rim, angles, across);
-  features.creases = finder.creases(finder.ends(), any_wall);
-  if (!features.creases.empty())
-    features.barred = angles.all_sharp();
-  else if (any_wall)
-    features.walls = flat_walls(mesh, around, rim, across, features.vertices);
+  features.creases = finder.creases(finder.ends());
+  features.walls = flat_walls(mesh, around, rim, across, features.vertices);
+  if (!features.creases.empty()) features.barred = angles.all_sharp();
   return features;
 }
 

@@ -3,10 +3,14 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <numeric>
+#include <utility>
 
+#include "tripatch/creases/wall_meeting.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/ties.h"
 #include "tripatch/mesh/submesh.h"
@@ -15,8 +19,6 @@
 namespace tripatch {
 namespace {
 
-/// Of the hole's diameter: vertices of one plane are no farther from it.
-constexpr double in_plane = 1e-4;
 /// Between edges of the rim that tell the plane of a wall that has no face left, at least.
 constexpr double min_turn = 20 * std::numbers::pi / 180;
 /// Between a flat rim and walls that end there, at least: the corner of a box with chamfers of one face (35 degrees) is a rounded one's.
@@ -28,8 +30,6 @@ constexpr double clear_end_angle = 60 * std::numbers::pi / 180;
 constexpr double under_rim = 150 * std::numbers::pi / 180;
 /// Between faces of one wall, at most.
 constexpr double in_one_wall = 1 * std::numbers::pi / 180;
-/// Of the hole's diameter, from the nearest vertex of the rim: where walls meet farther off, the fill would leave the hole.
-constexpr double farthest_node = 1;
 /// Radians over half of the hole's diameter: walls that bend by less away from the rim are straight. The end of a spring whose wire is a fifth as
 /// thick as its coil bends by 0.17 there, a ball cut in half by 1.
 constexpr double min_bend = 0.1;
@@ -40,10 +40,6 @@ constexpr std::size_t max_lost = 3;
 
 /// Around a rim in a plane: where all of that is flat, any fill is.
 constexpr int flat_rings = 6;
-
-struct Plane {
-  Vec3 normal = Vec3::Zero(), point = Vec3::Zero();
-};
 
 class WallFinder {
 public:
@@ -60,27 +56,36 @@ public:
 
   /// Those that are seen, where they meet; else as few as will do, with others that are lost.
   std::optional<FlatWalls> walls() {
-    if (const Plane flat = plane_of_rim(); contains(flat, rim_)) return wall_of(flat);
+    if (const WallPlane flat = plane_of_rim(); contains(flat, rim_)) return wall_of(flat);
     if (!read_planes()) return {};
-    std::optional<Meeting> best = meeting();
-    if (best) return best->walls;
-    const std::vector<Plane> unseen = unseen_planes();
+    const Points points = mesh_.vertices(rim_, Eigen::all);
+    const auto meeting = [&] { return least_meeting(planes_, points, walls_of_edges(), across_); };
+    std::optional<WallMeeting> best = meeting();
+    const std::vector<WallPlane> unseen = best ? std::vector<WallPlane>() : unseen_planes();
     for (std::size_t lost = 1; lost <= std::min(max_lost, unseen.size()); ++lost) {
+      const std::size_t fewest = best ? best->runs : std::numeric_limits<std::size_t>::max();
       std::vector<char> taken(unseen.size(), 0);
       std::fill(taken.begin(), taken.begin() + lost, 1);
-      std::optional<Meeting> with_lost;
       do {
-        take_better(unseen, taken, with_lost);
+        planes_.resize(seen_);
+        for (std::size_t k = 0; k < unseen.size(); ++k)
+          if (taken[k]) planes_.push_back(unseen[k]);
+        std::optional<WallMeeting> found = meeting();
+        const auto rank = [](const WallMeeting& m) { return std::pair(m.runs, m.area); };
+        if (found && found->runs < fewest && (!best || rank(*found) < rank(*best))) best = std::move(found);
       } while (std::prev_permutation(taken.begin(), taken.end()));
-      if (with_lost && (!best || with_lost->walls.first.size() < best->walls.first.size())) best = std::move(with_lost);
     }
     if (!best) return {};
-    return best->walls;
+    FlatWalls walls{best->nodes, best->parts, best->creases, {}};
+    const std::vector<Index> near = near_faces();
+    for (const std::size_t p : best->wall)
+      walls.faces.push_back(p < seen_ ? in_plane_of(planes_[p], near) : std::vector<Index>());
+    return walls;
   }
 
   /// walls_end_at_flat_rim.
   bool walls_end() const {
-    const Plane flat = plane_of_rim();
+    const WallPlane flat = plane_of_rim();
     if (n_ < 4 || !contains(flat, rim_)) return false;
     std::vector<Vec3> normal;
     Index least = 0, clear = 0, under = 0, upright = 0;
@@ -113,11 +118,6 @@ public:
   }
 
 private:
-  struct Meeting {
-    FlatWalls walls;
-    double area = 0;
-  };
-
   /// Whether the faces at the rim go straight on away from it, or end at sharp edges there.
   bool are_straight() const {
     const auto on_rim = [&](Index v) { return std::ranges::find(rim_, v) != rim_.end(); };
@@ -143,63 +143,65 @@ private:
     return sum / static_cast<double>(corners.size());
   }
 
-  /// Where the planes that are seen meet with these, if they are fewer than those of `best`, or as many with less area.
-  void take_better(const std::vector<Plane>& unseen, const std::vector<char>& taken, std::optional<Meeting>& best) {
-    planes_.resize(seen_);
-    for (std::size_t k = 0; k < unseen.size(); ++k)
-      if (taken[k]) planes_.push_back(unseen[k]);
-    std::optional<Meeting> found = meeting();
-    const auto rank = [](const Meeting& m) { return std::pair(m.walls.first.size(), m.area); };
-    if (found && (!best || rank(*found) < rank(*best))) best = std::move(found);
-  }
-
   Vec3 point(Index v) const { return mesh_.vertices.row(v); }
   Vec3 at(Index place) const { return point(rim_[place % n_]); }
-  bool contains(const Plane& plane, const Vec3& p) const { return std::abs((p - plane.point).dot(plane.normal)) < within_; }
+  bool contains(const WallPlane& plane, const Vec3& p) const { return std::abs(plane.distance(p)) < within_; }
   template <class Vertices>
-  bool contains(const Plane& plane, const Vertices& vertices) const {
+  bool contains(const WallPlane& plane, const Vertices& vertices) const {
     return std::all_of(vertices.begin(), vertices.end(), [&](Index v) { return contains(plane, point(v)); });
   }
 
-  bool lies_in(Index face, const Plane& plane) const {
+  bool lies_in(Index face, const WallPlane& plane) const {
     return area_vector(mesh_, face).dot(plane.normal) > 0 && contains(plane, mesh_.faces[face]);
   }
 
-  /// Of the faces next to the rim's edges; false where these are not flat, or too many.
+  /// Of the faces next to the rim's edges, the largest first: its plane is known best. False where these are not flat, or too many.
   bool read_planes() {
+    std::vector<Index> faces;
     for (Index k = 0; k < n_; ++k) {
       const auto corner = around_.edge(rim_[(k + 1) % n_], rim_[k]);
       if (!corner) return false;
-      const Index face = around_.face(*corner);
-      const auto known = std::find_if(planes_.begin(), planes_.end(), [&](const Plane& plane) { return lies_in(face, plane); });
-      beside_.push_back(static_cast<std::size_t>(known - planes_.begin()));
-      if (known != planes_.end()) continue;
-      planes_.push_back({area_vector(mesh_, face).stableNormalized(), at(k)});
-      if (planes_.size() > max_planes || !lies_in(face, planes_.back())) return false;
+      faces.push_back(around_.face(*corner));
+    }
+    std::vector<Index> order(faces);
+    std::ranges::stable_sort(order, std::greater(), [&](Index f) { return coarse(area_vector(mesh_, f).norm()); });
+    for (const Index f : order) {
+      if (std::ranges::any_of(planes_, [&](const WallPlane& plane) { return lies_in(f, plane); })) continue;
+      planes_.push_back({area_vector(mesh_, f).stableNormalized(), point(mesh_.faces[f][0])});
+      if (planes_.size() > max_planes || !lies_in(f, planes_.back())) return false;
     }
     seen_ = planes_.size();
+    for (const Index f : faces) {  // a narrow one lies in several
+      std::size_t best = 0;
+      double nearest = -1;
+      for (std::size_t p = 0; p < seen_; ++p)
+        if (const double along = area_vector(mesh_, f).stableNormalized().dot(planes_[p].normal);
+            lies_in(f, planes_[p]) && clearly_more(along, nearest))
+          nearest = along, best = p;
+      beside_.push_back(best);
+    }
     return seen_ > 1;
   }
 
   /// Planes of two edges of the rim that follow each other: of a wall that has no face left. None where they are many.
-  std::vector<Plane> unseen_planes() const {
-    std::vector<Plane> found;
+  std::vector<WallPlane> unseen_planes() const {
+    std::vector<WallPlane> found;
     for (Index k = 0; k < n_; ++k) {
       const Vec3 before = at(k) - at(k + n_ - 1), after = at(k + 1) - at(k), across = before.cross(after);
       if (!(across.norm() > std::sin(min_turn) * before.norm() * after.norm())) continue;
-      const auto holds = [&](const Plane& plane) {
+      const auto holds = [&](const WallPlane& plane) {
         return contains(plane, at(k + n_ - 1)) && contains(plane, at(k)) && contains(plane, at(k + 1));
       };
       if (std::any_of(planes_.begin(), planes_.end(), holds) || std::any_of(found.begin(), found.end(), holds)) continue;
       if (found.size() == max_unseen) return {};
-      found.push_back({across.stableNormalized(), at(k)});
+      found.push_back({across.stableNormalized(), at(k), false});
     }
     return found;
   }
 
   /// As new faces face.
-  Plane plane_of_rim() const {
-    Plane flat;
+  WallPlane plane_of_rim() const {
+    WallPlane flat;
     for (Index k = 0; k < n_; ++k) {
       flat.point += at(k) / static_cast<double>(n_);
       flat.normal += (at(k) - at(0)).cross(at(k + 1) - at(0));
@@ -209,7 +211,7 @@ private:
   }
 
   /// The one wall in whose plane the rim is, where it continues next to some of it and ends at the rest, or not far from it.
-  std::optional<FlatWalls> wall_of(const Plane& flat) const {
+  std::optional<FlatWalls> wall_of(const WallPlane& flat) const {
     Index goes_on = 0;
     for (Index k = 0; k < n_; ++k) {
       const auto corner = around_.edge(rim_[(k + 1) % n_], rim_[k]);
@@ -220,11 +222,13 @@ private:
       goes_on += same;
     }
     if (goes_on == 0 || (goes_on == n_ && is_in(flat, flat_rings))) return {};
-    return FlatWalls{{0}, {}, {}, {in_plane_of(flat, near_faces())}};
+    FlatWalls wall{{}, {std::vector<Index>(static_cast<std::size_t>(n_))}, {}, {in_plane_of(flat, near_faces())}};
+    std::iota(wall.parts[0].begin(), wall.parts[0].end(), Index{0});
+    return wall;
   }
 
   /// Whether all faces in so many rings around the rim lie in a plane.
-  bool is_in(const Plane& plane, int rings) const {
+  bool is_in(const WallPlane& plane, int rings) const {
     Numbering seen(mesh_.vertices.rows());
     for (Index v : rim_) seen.add(v);
     for (std::size_t from = 0; rings > 0; --rings)
@@ -236,10 +240,9 @@ private:
     return true;
   }
 
-  /// The wall that each edge is part of: as few changes around the rim as its planes allow, each where a crease shows.
-  bool choose_walls() {
-    first_.clear();
-    wall_.clear();
+  /// The wall that each edge is part of: as few changes around the rim as its planes allow, each where a crease shows. Empty where none are
+  /// possible, or a wall has lost nothing.
+  std::vector<std::size_t> walls_of_edges() const {
     const std::size_t planes = planes_.size();
     const double none = std::numeric_limits<double>::infinity();
     const auto cost = [&](Index k, std::size_t p) {
@@ -278,41 +281,31 @@ private:
         for (Index k = n_ - 1; k > 0; --k) best[k - 1] = before[k][best[k]];
       }
     }
-    if (!(least < none)) return false;
-    for (Index k = 0; k < n_; ++k)
-      if (best[k] != best[(k + n_ - 1) % n_]) first_.push_back(k), wall_.push_back(best[k]);
-    std::vector<std::size_t> sorted = wall_;
-    std::sort(sorted.begin(), sorted.end());
-    if (wall_.size() < 2 || std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) return false;
-    for (std::size_t i = 0; i < wall_.size(); ++i)
-      if (wall_[i] < seen_ && (!is_beside(i) || ends_at_rim(i))) return false;
-    return true;
+    for (Index k = 0; std::cmp_less(k, best.size()); ++k)
+      if (best[k] != best[(k + n_ - 1) % n_] && best[k] < seen_ && !has_lost_something(best, k)) return {};
+    return best;
   }
 
-  Index end_of(std::size_t wall) const { return wall + 1 < first_.size() ? first_[wall + 1] : first_[0] + n_; }
-
-  bool is_beside(std::size_t wall) const {
-    for (Index k = first_[wall]; k < end_of(wall); ++k)
-      if (beside_[k % n_] == wall_[wall]) return true;
-    return false;
-  }
-
-  /// By how much the border of a wall turns at a place, to the left as it continues around the wall; none where it does not pass there.
-  std::optional<double> turn(std::size_t wall, Index place) const {
-    const Index k = place % n_, last = (k + n_ - 1) % n_;
-    if (beside_[k] != wall_[wall] || beside_[last] != wall_[wall]) return {};
-    const Vec3 before = at(k) - at(last), after = at(k + 1) - at(k);
-    return std::atan2(before.cross(after).dot(planes_[wall_[wall]].normal), before.dot(after));
-  }
-
-  /// Whether a wall has lost nothing: its border, as far as it is the rim, turns around it on the whole, or is straight between two of
-  /// its corners.
-  bool ends_at_rim(std::size_t wall) const {
-    double turned = 0;
-    for (Index k = first_[wall] + 1; k < end_of(wall); ++k) turned += turn(wall, k).value_or(0);
-    if (turned < -min_turn) return true;
-    const bool corners = turn(wall, first_[wall]).value_or(0) < -min_turn && turn(wall, end_of(wall)).value_or(0) < -min_turn;
-    return corners && turned < min_turn;
+  /// Of the wall whose run begins at a place: it is next to that, and its border there is not straight between two of its corners, nor turns
+  /// around it without a corner to the other side.
+  bool has_lost_something(const std::vector<std::size_t>& wall, Index first) const {
+    const std::size_t own = wall[first];
+    const auto turn =
+        [&](Index place) {  // to the left as the border continues around the wall; none where it does not pass there
+          const Index k = place % n_, last = (k + n_ - 1) % n_;
+          if (beside_[k] != own || beside_[last] != own) return 0.0;
+          const Vec3 before = at(k) - at(last), after = at(k + 1) - at(k);
+          return std::atan2(before.cross(after).dot(planes_[own].normal), before.dot(after));
+        };
+    double turned = 0, most = 0;
+    bool is_beside = false;
+    Index end = first;
+    for (; end == first || (wall[end % n_] == own && end < first + n_); ++end) {
+      if (end > first) turned += turn(end), most = std::max(most, turn(end));
+      is_beside = is_beside || beside_[end % n_] == own;
+    }
+    const bool between_corners = turn(first) < -min_turn && turn(end) < -min_turn && turned < min_turn;
+    return is_beside && !between_corners && (turned > -min_turn || most > min_turn);
   }
 
   /// Whether the crease between two walls that meet at a place of the rim can be seen there.
@@ -325,7 +318,7 @@ private:
     if (here >= seen_ && beside == before && !contains(planes_[here], at(place + n_ - 1))) return true;
     if (before >= seen_ && last == here && !contains(planes_[before], at(place + 1))) return true;
     const Index v = rim_[place];
-    const Plane &one_wall = planes_[before], &other_wall = planes_[here];
+    const WallPlane &one_wall = planes_[before], &other_wall = planes_[here];
     for (Connectivity::Corner c : around_.at(v)) {
       const Index w = around_.next(c);
       const auto one = around_.edge(v, w), other = around_.edge(w, v);
@@ -336,78 +329,7 @@ private:
     return false;
   }
 
-  std::optional<Vec3> node_of(std::size_t a, std::size_t b, std::size_t c) const {
-    Eigen::Matrix3d normals;
-    Vec3 at_plane;
-    int row = 0;
-    for (const std::size_t wall : {a, b, c}) {
-      const Plane& plane = planes_[wall_[wall]];
-      normals.row(row) = plane.normal;
-      at_plane[row++] = plane.normal.dot(plane.point - at(0));
-    }
-    const Vec3 node = at(0) + Vec3(normals.partialPivLu().solve(at_plane));
-    double least = std::numeric_limits<double>::infinity();
-    for (Index k = 0; k < n_; ++k) least = std::min(least, (node - at(k)).norm());
-    if (!(least > within_ && least < farthest_node * across_)) return {};
-    return node;
-  }
-
-  /// The area that the pieces of all walls have together; none where one is turned over.
-  std::optional<double> area(const FlatWalls& found) const {
-    double sum = 0;
-    for (std::size_t i = 0; i < wall_.size(); ++i) {
-      std::vector<Vec3> piece;
-      for (Index k = first_[i]; k <= end_of(i); ++k) piece.push_back(at(k));
-      for (Index node : found.nodes_beside(i)) piece.push_back(found.nodes[node]);
-      Vec3 twice = Vec3::Zero();
-      for (std::size_t k = 1; k + 1 < piece.size(); ++k) twice += (piece[k] - piece[0]).cross(piece[k + 1] - piece[0]);
-      const double towards = twice.dot(planes_[wall_[i]].normal) / 2, own = wall_[i] < seen_ ? towards : std::abs(towards);
-      if (!(own > within_ * across_)) return {};
-      sum += own;
-    }
-    return sum;
-  }
-
-  /// One wall meets all others: the first of these and the second in the first node, the second and the third in the next, and so on.
-  /// Nodes at one place are one.
-  std::optional<FlatWalls> around_wall(std::size_t hub) const {
-    const std::size_t walls = wall_.size();
-    FlatWalls found;
-    found.first = first_;
-    if (walls == 2) return found;
-    found.node.resize(walls);
-    for (std::size_t k = 1; k + 1 < walls; ++k) {
-      const std::size_t here = (hub + k) % walls, next = (hub + k + 1) % walls;
-      const std::optional<Vec3> node = node_of(hub, here, next);
-      if (!node) return {};
-      if (k == 1 || (*node - found.nodes.back()).norm() > within_) found.nodes.push_back(*node);
-      if (k == 1) found.node[here] = 0;
-      found.node[next] = found.node[hub] = static_cast<Index>(found.nodes.size()) - 1;
-    }
-    return found;
-  }
-
-  std::optional<Meeting> meeting() {
-    if (!choose_walls()) return {};
-    std::optional<Meeting> best;
-    for (std::size_t hub = 0; hub < wall_.size(); ++hub) {
-      const std::optional<FlatWalls> found = around_wall(hub);
-      const std::optional<double> own = found ? area(*found) : std::nullopt;
-      if (own && (!best || clearly_less(*own, best->area))) best = {*found, *own};
-    }
-    if (best) best->walls.faces = faces();
-    return best;
-  }
-
-  /// For each wall those in its plane.
-  std::vector<std::vector<Index>> faces() const {
-    const std::vector<Index> all = near_faces();
-    std::vector<std::vector<Index>> out;
-    for (const std::size_t p : wall_) out.push_back(p < seen_ ? in_plane_of(planes_[p], all) : std::vector<Index>());
-    return out;
-  }
-
-  std::vector<Index> in_plane_of(const Plane& plane, const std::vector<Index>& faces) const {
+  std::vector<Index> in_plane_of(const WallPlane& plane, const std::vector<Index>& faces) const {
     std::vector<Index> out;
     std::ranges::copy_if(faces, std::back_inserter(out), [&](Index f) { return lies_in(f, plane); });
     return out;
@@ -432,23 +354,12 @@ private:
   const std::vector<Index>&rim_, &near_;
   Index n_;
   double across_, within_;
-  std::vector<Plane> planes_;
+  std::vector<WallPlane> planes_;
   std::size_t seen_ = 0;             // of these, next to the rim; the normals of the others may be turned over
   std::vector<std::size_t> beside_;  // the plane of the face next to each edge of the rim
-  std::vector<Index> first_;
-  std::vector<std::size_t> wall_;  // planes
 };
 
 }  // namespace
-
-std::vector<Index> FlatWalls::nodes_beside(std::size_t wall) const {
-  std::vector<Index> out;
-  if (nodes.empty()) return out;
-  const Index last = node[wall];
-  for (Index k = node[(wall + 1) % first.size()]; k != last; k += k < last ? 1 : -1) out.push_back(k);
-  out.push_back(last);
-  return out;
-}
 
 std::optional<FlatWalls> flat_walls(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across,
                                     const std::vector<Index>& near) {

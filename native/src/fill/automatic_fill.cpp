@@ -124,8 +124,8 @@ private:
     const Features near = find_features(ground_.mesh, ground_.left, loop_);
     const auto goes_on = [&](const Connectivity& around) { return find_features(ground_.mesh, around, loop_).found(); };
     if (near.found() && (!ground_.is_part() || goes_on(Connectivity(ground_.mesh, out_.options.replaced))))
-      return near.walls && near.walls->first.size() == 1 ? "a flat wall continues over the hole"
-             : near.walls                                ? "flat walls around the hole meet in it"
+      return near.walls && near.walls->parts.size() == 1 ? "a flat wall continues over the hole"
+             : near.walls && !near.walls->nodes.empty()  ? "flat walls around the hole meet in it"
                                                          : "a crease of the surroundings continues across the hole";
     const auto is_known = [&](Index v) { return ground_.left.knows(v); };
     // what is not there need not be sought again

@@ -215,7 +215,11 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   for (const std::vector<Index>& loop : loops) fill.rim.insert(fill.rim.end(), loop.begin(), loop.end());
   PlaneFillOptions own = {options.quads ? std::nullopt : options.resolution, {}, nullptr, options.through};
   std::optional<PlaneFill> creased;
-  if (options.features) creased = fill_across_creases(mesh, around, rim, find_features(mesh, around, rim), own);
+  if (options.features) {
+    Features features = find_features(mesh, around, rim);
+    creased = fill_across_creases(mesh, around, rim, features, own);
+    if (!creased && std::exchange(features.walls, {})) creased = fill_across_creases(mesh, around, rim, features, own);
+  }
   own.continued = options.continued;
   own.planes = options.planes;
   PlaneFill made = creased ? std::move(*creased) : fill_over_plane(mesh, around, loops, own);

@@ -31,13 +31,13 @@ struct Crease {
 };
 
 struct Features {
-  std::vector<Crease> creases;               ///< none crosses another
-  std::optional<FlatWalls> walls;            ///< where no creases go straight on or meet at a point
+  std::optional<FlatWalls> walls;            ///< where flat walls around the hole meet in it
+  std::vector<Crease> creases;               ///< as their ends say, none crosses another
   std::vector<Index> vertices;               ///< of the surroundings that were looked at, sorted
   std::vector<std::array<Index, 2>> barred;  ///< their sharp edges, lower vertex first, sorted: surfaces end there
 
   /// Whether anything continues across the hole.
-  bool found() const { return !creases.empty() || walls; }
+  bool found() const { return walls || !creases.empty(); }
 };
 
 /// Whether a crease or a wall ends at the rim: at most holes none does, which the faces next to it say.

@@ -1,8 +1,10 @@
 // Flat walls around a hole, as of a box: where they continue until they meet, the hole is known exactly, edges and corners with it.
 #pragma once
 
+#include <array>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "tripatch/mesh/connectivity.h"
@@ -14,21 +16,17 @@ namespace tripatch {
 /// one otherwise, 12% farther.
 inline constexpr double min_crease_angle = 25 * std::numbers::pi / 180;
 
-/// Flat walls that close a hole, one or more. Of wall i the piece of the rim from first[i] to first[i + 1] is part, and the straight
-/// creases at both ends of it: two walls share one that crosses the hole, more meet by threes in nodes, each joined to the next.
+/// Flat walls that close a hole, one or more. Corners are numbered: places in the rim, then nodes.
 struct FlatWalls {
-  std::vector<Index> first;               ///< places in the rim, ascending
-  std::vector<Vec3> nodes;                ///< two less than there are walls, or fewer where more meet at a place
-  std::vector<Index> node;                ///< for each of first, to which its crease leads; empty where two walls meet
-  std::vector<std::vector<Index>> faces;  ///< of the surroundings, for each wall those in its plane
-
-  /// The nodes of a wall from the end of its piece of the rim to the beginning.
-  std::vector<Index> nodes_beside(std::size_t wall) const;
+  std::vector<Vec3> nodes;                 ///< inside the hole
+  std::vector<std::vector<Index>> parts;   ///< corners around each, as new faces traverse it
+  std::set<std::array<Index, 2>> creases;  ///< corners, the lower first: the steps around parts that are no edges of the rim
+  std::vector<std::vector<Index>> faces;   ///< of the surroundings, for each part those in its plane
 };
 
-/// rim: as new faces traverse it, `across` in diameter. Walls are planes of the faces next to the rim, and one at most of which no face is
-/// left, as the rim's edges tell it. None where these planes are too many, where they do not meet in the hole, where a crease between two
-/// of them does not show at the rim, as an edge of the mesh that ends there or as a corner of a third wall, or where a wall seems to
+/// rim: as new faces traverse it, `across` in diameter. Walls are planes of the faces next to the rim, and a few of which no face is left, as
+/// the rim's edges tell them. None where these planes are too many, where they do not meet in the hole, where a crease between two of them
+/// does not show at the rim, as an edge of the mesh that ends there or as a corner of a third wall, or where a wall seems to
 /// have lost nothing. Of a flat rim one wall, which continues next to all or some of it and ends at the rest or near by, else none: a cap may
 /// lie on it. Faces are sought among those whose vertices are all `near`, sorted.
 std::optional<FlatWalls> flat_walls(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across,

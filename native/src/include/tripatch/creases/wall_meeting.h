@@ -1,0 +1,40 @@
+// How the walls around a hole meet in it: each covers the hole next to its runs of the rim, two meet along creases, three in corners.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "tripatch/types.h"
+
+namespace tripatch {
+
+/// Of the hole's diameter: vertices of one plane are no farther from it.
+inline constexpr double in_plane = 1e-4;
+
+struct WallPlane {
+  Vec3 normal = Vec3::Zero(), point = Vec3::Zero();
+  bool has_faces = true;  ///< else its normal may be turned over
+
+  double distance(const Vec3& p) const { return (p - point).dot(normal); }
+};
+
+/// Corners are numbered: places in the rim, then nodes.
+struct WallMeeting {
+  std::vector<Vec3> nodes;                 ///< inside the hole
+  std::vector<std::vector<Index>> parts;   ///< corners around each, as new faces traverse it
+  std::set<std::array<Index, 2>> creases;  ///< corners, the lower first: the steps around parts that are no edges of the rim
+  std::vector<std::size_t> wall;           ///< for each part
+  std::size_t runs = 0;                    ///< of the rim along one wall each
+  double area = 0;                         ///< of all parts
+};
+
+/// wall: of each edge of the rim (k x 3, as new faces traverse it, `across` in diameter), or empty. Of all ways in which the runs meet in
+/// threes, which are the triangulations of their cycle, the one with the least area; of many runs, or if a wall has no faces, of those in
+/// which one run meets all others. None where every way has a part that is turned over or crosses itself.
+std::optional<WallMeeting> least_meeting(const std::vector<WallPlane>& walls, const Points& rim,
+                                         const std::vector<std::size_t>& wall, double across);
+
+}  // namespace tripatch
