@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -39,6 +40,11 @@ inline Array array_in(const py::object& owner, const tripatch::Points& p) {
 }
 
 /// None where there is none.
+/// (x, y, z), or None.
+inline py::object place(const std::optional<tripatch::Vec3>& p) {
+  return p ? py::object(py::make_tuple(p->x(), p->y(), p->z())) : py::none();
+}
+
 inline py::object array_from(const tripatch::PlanePoints& p) {
   if (p.rows() == 0) return py::none();
   return Array({p.rows(), tripatch::Index{2}}, p.data());

@@ -36,7 +36,8 @@ void bind_fill(py::module_& m) {
       .def_property_readonly("face_corners", [](const Fill& f) { return array_from(f.faces.corners); })
       .def_property_readonly("patch", [](const Fill& f) { return std::const_pointer_cast<Surface>(f.patch); })
       .def_readonly("sides", &Fill::sides)
-      .def_readonly("report", &Fill::report);
+      .def_readonly("report", &Fill::report)
+      .def_property_readonly("passes_through", [](const Fill& fill) { return place(fill.passes_through); });
 
   m.def("_fill", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const py::dict& options,
                     const py::object& progress) {

@@ -73,31 +73,16 @@ void bind_borders(py::module_& m) {
       });
 }
 
-py::list places(const std::vector<std::optional<Vec3>>& found) {
-  py::list out;
-  for (const std::optional<Vec3>& each : found)
-    out.append(each ? py::object(py::make_tuple(each->x(), each->y(), each->z())) : py::none());
-  return out;
-}
-
 void bind_passages(py::module_& m) {
-  m.def("_passages", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
-                        const std::vector<const Fill*>& fills, const std::optional<Subdivision>& subdivision) {
-    const FacesRef faces = faces_from(offsets, corners);
-    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-    std::vector<FillFaces> looked_at;
-    for (const Fill* each : fills) looked_at.push_back({each->vertices, each->faces, each->rim});
-    std::vector<std::optional<Vec3>> found;
-    interruptibly([&] { found = passages({points, faces}, looked_at, subdivision); });
-    return places(found);
-  });
   m.def("_passages_of_faces", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
                                  const std::vector<Index>& fill_of_face, const std::optional<Subdivision>& subdivision) {
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     std::vector<std::optional<Vec3>> found;
     interruptibly([&] { found = passages({points, faces}, fill_of_face, subdivision); });
-    return places(found);
+    py::list out;
+    for (const std::optional<Vec3>& each : found) out.append(place(each));
+    return out;
   });
 }
 

@@ -45,6 +45,24 @@ def test_of_a_cage_its_limit_surface_is_looked_at(options):
         assert filled.passes_through == fill.passes_through
 
 
+def test_what_passes_through_the_mesh_is_avoided_where_another_fill_does_not():
+    """A plate under the top of a cap of a sphere: the cap goes through it, a flatter fill does not."""
+    polar, angle = np.meshgrid(np.radians(np.arange(40, 141, 10)), 2 * np.pi * np.arange(24) / 24, indexing="ij")
+    vertices = np.stack([np.sin(polar) * np.cos(angle), np.sin(polar) * np.sin(angle), np.cos(polar)], axis=-1).reshape(-1, 3)
+    faces = [
+        [24 * i + j, 24 * (i + 1) + j, 24 * (i + 1) + (j + 1) % 24, 24 * i + (j + 1) % 24] for i in range(10) for j in range(24)
+    ]
+    loop, top = list(range(24)), vertices[0, 2]
+    tip = np.array([[0, 0.2, 0], [-0.2, -0.1, 0], [0.2, -0.1, 0]]) + [0, 0, 0.5 + top / 2]
+    tip[0, 2] += 1  # from under the cap to above it
+    (fill,) = tripatch.fill_all(*together((vertices, faces), (tip, [[0, 1, 2]])), [loop])
+    free = tripatch.fill(vertices, faces, rim=loop)
+    assert fill.passes_through is None and free.vertices[:, 2].max() > tip[1:, 2].max()
+    assert tripatch.fill(*together((vertices, faces), (tip, [[0, 1, 2]])), rim=loop).passes_through is None
+    asked = tripatch.fill(*together((vertices, faces), (tip, [[0, 1, 2]])), rim=loop, continuity="G1")
+    assert asked.passes_through is not None
+
+
 def test_fills_that_pass_through_each_other_are_reported():
     upright = PLATE[0] @ np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]]) + [0.55, 0, -0.47]
     vertices, faces = together(PLATE, (upright, PLATE[1]))

@@ -67,7 +67,7 @@ class Fill:
     def __init__(self, native: _native.Filled, source: Source) -> None:
         self._source, self._filled, self._patch = source, native, native.patch
         self._has_patch = self._patch is not None
-        self.passes_through: tuple[float, float, float] | None = None
+        self.passes_through: tuple[float, float, float] | None = native.passes_through
         if self._has_patch:
             vars(self._patch)["_recipe"] = functools.partial(source.recipe, self.rim, self.vertices)
 
@@ -359,8 +359,8 @@ def fill(vertices: ArrayLike, faces: Faces, *, progress: Callable[[int, int], ob
     made = _native._fill(v, offsets, corners, not_at_default("fill", given), progress)
     rim = given["rim"] if given["rim"] is not None else _from_lowest(made.rim)
     filled = Fill(made, Source("fill", v, offsets, corners, options, rim))
-    cage = given["output"] == "cage"
-    (filled.passes_through,) = passages.of_cages([filled]) if cage else passages.of_fills((v, offsets, corners), [made], given)
+    if given["output"] == "cage":
+        (filled.passes_through,) = passages.of_cages([filled])
     return filled
 
 
@@ -426,9 +426,6 @@ def fill_all(
         results = _with_islands(mesh, holes, options, by_rim, progress)
     else:
         results = _native._fill_all(*mesh, loops, given, by_rim, progress, holes.connected if holes else None)
-    natives = [result for result in results if not isinstance(result, Refusal)]
-    cages = given["output"] == "cage"
-    through = iter([None] * len(natives) if cages else passages.of_fills(mesh, natives, given))
     together: list[Any] = []
     fills: list[Fill | Refusal] = []
     for k, result in enumerate(results):
@@ -440,9 +437,8 @@ def fill_all(
         else:
             source = Source("fill_all", v, offsets, face_corners, options, loops[k], by_rim[k] if by_rim else None)
         filled = Fill(holes.brought_back(result) if holes else result, source)
-        filled.passes_through = next(through)
         fills.append(filled)
-        if cages:
+        if given["output"] == "cage":
             source.others = together
             together.append(filled)
     for filled, place in zip(together, passages.of_cages(together), strict=True):

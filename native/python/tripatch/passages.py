@@ -10,26 +10,10 @@ from . import _arrays, _native
 from .options import subdivision as settings_of
 
 if TYPE_CHECKING:
-    from ._types import Array, ArrayLike, Faces
+    from ._types import ArrayLike, Faces
     from .filling import Fill
 
 Place = tuple[float, float, float]
-
-
-def of_fills(mesh: tuple[Array, Array, Array], fills: list[_native.Filled], given: dict[str, Any]) -> list[Place | None]:
-    """For each fill of the core, in the mesh or on its limit surface, a place or None. mesh: vertices, offsets and corners;
-    given: the options that were checked."""
-    if not fills:
-        return []
-    vertices, offsets, corners = mesh
-    if len(given["replaced"]):
-        sizes = np.diff(offsets)
-        stays = np.ones(len(sizes), bool)
-        stays[np.asarray(given["replaced"])] = False
-        corners, sizes = corners[np.repeat(stays, sizes)], sizes[stays]
-        offsets = np.concatenate([[0], np.cumsum(sizes)])
-    subdivision = given["subdivision"] if given["surroundings"] == "limit" else None
-    return _native._passages(vertices, offsets, corners, fills, subdivision)
 
 
 def of_cages(fills: list[Fill]) -> list[Place | None]:

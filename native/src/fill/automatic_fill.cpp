@@ -217,7 +217,8 @@ Quality judged(FillProblem& problem, const Fill& fill) {
   const Ground& ground = problem.ground;
   const Report& report = fill.report;
   Quality quality;
-  quality.crosses = report.crosses_itself;
+  const Fill* const only = &fill;
+  quality.crosses = report.crosses_itself || (ground.keeps_clear && ground.passages_of({&only, 1}, problem.options)[0]);
   if (fill.faces.size() == 0) quality.folds = report.folds;  // was not laid out for that
   if (report.triangles_folded > 0) {
     const bool of_spline = report.method == spline_method;
@@ -409,6 +410,18 @@ Fill make_folded(FillProblem& problem, const TriedFills&) {
   return fill;
 }
 
+std::string skip_flat(FillProblem& problem, const TriedFills& tried) {
+  const Tried* const best = best_of(tried);
+  const bool passes = problem.ground.keeps_clear && best && best->row.quality.crosses;
+  return passes && is_continuity_open(problem.options) ? "" : "another fill does not pass through the mesh";
+}
+
+Fill make_flat(FillProblem& problem, const TriedFills&) {
+  Fill fill = fill_flat(problem.ground, problem.loop, problem.sides().options);
+  fill.report.method_reason = "what is tangent to the mesh passes through it";
+  return fill;
+}
+
 /// All ways to fill a hole, the cheapest first. The patch is the second: the others ask for it (see patch_in).
 constexpr std::array strategies = {
     Strategy{rows_method, skip_rows, make_rows},
@@ -418,6 +431,7 @@ constexpr std::array strategies = {
     Strategy{spline_method, skip_spline, make_spline},
     Strategy{spline_method, skip_spline_with_planes, make_spline_with_planes},
     Strategy{polygon_method, skip_folded, make_folded},
+    Strategy{spline_method, skip_flat, make_flat},
 };
 
 /// The edges of the rim at which a fill meets the mesh at an angle.

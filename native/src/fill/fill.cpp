@@ -91,6 +91,7 @@ struct Elsewhere {
   void bring_back(Fill& fill) const {
     fill.vertices.rowwise() += origin.transpose();
     fill.moved_to.rowwise() += origin.transpose();
+    if (fill.passes_through) *fill.passes_through += origin;
     if (fill.patch) fill.patch = brought(fill.patch, origin);
     for (Side& side : fill.sides) side.c = side.c + PiecewisePolynomial::constant(std::span<const double>(origin.data(), 3));
   }
@@ -360,6 +361,27 @@ bool takes_any_rim(const FillOptions& options) {
 }
 
 /// The rim of a cage's hole, which has three corners where the method wants that.
+/// Sets Fill::passes_through. What the method is automatic of is filled again first, where that counts.
+///
+/// again: makes the k-th fill once more.
+template <class Again>
+void keep_clear(Ground& ground, const FillOptions& options, std::span<Fill* const> fills, const Again& again) {
+  std::vector<const Fill*> all(fills.begin(), fills.end());
+  const std::vector<std::optional<Vec3>> places = ground.passages_of(all, options);
+  ground.keeps_clear = options.method == automatic_method;
+  for (std::size_t k = 0; k < fills.size(); ++k) {
+    fills[k]->passes_through = places[k];
+    if (!places[k] || !ground.keeps_clear) continue;
+    try {
+      Fill other = again(k);
+      all[k] = &other;
+      if (!ground.passages_of(all, options)[k]) *fills[k] = std::move(other);
+    } catch (const CodedRefusal&) {  // there is a fill
+    }
+    all[k] = fills[k];
+  }
+}
+
 SidedRim cage_rim_for(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                       const FillOptions& options) {
   check_three(options, corners);
@@ -373,10 +395,14 @@ SidedRim cage_rim_for(const Ground& ground, const std::optional<std::vector<Inde
 
 /// A hole of a mesh near the origin.
 Fill fill_as_it_is(const Mesh& mesh, const FillOptions& options) {
-  const Ground ground(mesh, options.rim, options);
+  Ground ground(mesh, options.rim, options);
   if (options.output == Output::cage)
     return std::move(fill_with_cages(ground, {cage_rim_for(ground, options.rim, options.corners, options)}, options)[0]);
-  return fill_by_method(ground, options.rim, options.corners, options);
+  const auto filled = [&] { return fill_by_method(ground, options.rim, options.corners, options); };
+  Fill fill = filled();
+  Fill* const only = &fill;
+  keep_clear(ground, options, {&only, 1}, [&](std::size_t) { return filled(); });
+  return fill;
 }
 
 /// With vertices of the rim merged that lie at one place; nothing where there are none, or where that leads to no fill.
@@ -477,10 +503,11 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
     fill_all_with_cages(ground, holes, options, results, progress);
     return results;
   }
+  const auto filled = [&](std::size_t k) { return fill_by_method(ground, rims[k], corners_at(k), options); };
   const auto fill_one = [&](std::size_t k) {
     const Stopwatch watch;
     try {
-      Fill fill = fill_by_method(ground, rims[k], corners_at(k), options);
+      Fill fill = filled(k);
       fill.report.seconds = watch.seconds();
       results[k] = std::move(fill);
     } catch (const CodedRefusal& refusal) {
@@ -488,6 +515,15 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
     }
   };
   parallel_for_each(rims.size(), fill_one, report_progress);
+  std::vector<Fill*> fills;
+  std::vector<std::size_t> of;
+  for (std::size_t k = 0; k < results.size(); ++k) {
+    Fill* const fill = std::get_if<Fill>(&results[k]);
+    if (!fill) continue;
+    fills.push_back(fill);
+    of.push_back(k);
+  }
+  keep_clear(ground, options, fills, [&](std::size_t k) { return filled(of[k]); });
   return results;
 }
 

@@ -8,6 +8,7 @@
 #include "tripatch/mesh/border_loops.h"
 #include "tripatch/messages.h"
 #include "tripatch/polygon/domain.h"
+#include "tripatch/report/passages.h"
 
 namespace tripatch {
 
@@ -39,6 +40,20 @@ std::optional<std::array<Index, 3>> three(const Corners& corners) {
   if (!corners) return {};
   if (corners->size() == 3) return std::array<Index, 3>{(*corners)[0], (*corners)[1], (*corners)[2]};
   throw CodedRefusal(Code::three_corners_needed, {{"count", corners->size()}}, *corners);
+}
+
+std::vector<std::optional<Vec3>> Ground::passages_of(std::span<const Fill* const> fills, const FillOptions& options) const {
+  std::vector<FillFaces> looked_at;
+  for (const Fill* each : fills) looked_at.push_back({each->vertices, each->faces, each->rim});
+  std::optional<Subdivision> subdivision;
+  if (options.surroundings == SurroundingsFrom::limit) subdivision = options.subdivision;
+  if (options.replaced.empty()) return passages(mesh, looked_at, subdivision);
+  std::vector<bool> stays(mesh.faces.size(), true);
+  for (Index f : options.replaced) stays[f] = false;
+  Faces faces;
+  for (Index f = 0; f < mesh.faces.size(); ++f)
+    if (stays[f]) faces.add(mesh.faces[f]);
+  return passages({mesh.vertices, faces}, looked_at, subdivision);
 }
 
 std::vector<Index> loop_through(const Ground& ground, const std::vector<Index>& corners) {

@@ -44,7 +44,7 @@ auto compared(const Quality& q) { return std::tuple(q.crosses, q.folds, q.leaves
 
 /// Why a candidate is not used.
 std::string why_not(const Quality& quality, const Quality& used) {
-  if (quality.crosses > used.crosses) return "crosses itself";
+  if (quality.crosses > used.crosses) return "crosses itself or the mesh";
   if (quality.folds > used.folds) return "folds";
   if (quality.leaves_hole > used.leaves_hole) return "leaves the hole";
   return "is expected to be less accurate";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "tripatch/boundary/side.h"
@@ -41,6 +42,8 @@ struct Fill {
   SurfacePtr patch;
   std::vector<Side> sides;  ///< the surroundings used; empty where the patch has no sides
   Report report;
+  /// A place where it passes through another fill, or through a face of the mesh, that has no vertex of its boundary.
+  std::optional<Vec3> passes_through;
 };
 
 /// Whether all positions and normals are.

@@ -3,12 +3,14 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "tripatch/boundary/vertex_planes.h"
 #include "tripatch/hole/hole.h"
 #include "tripatch/mesh/connectivity.h"
 #include "tripatch/options.h"
+#include "tripatch/output/fill_result.h"
 
 namespace tripatch {
 
@@ -22,12 +24,15 @@ public:
          const Connectivity* connected = nullptr);
   /// With the faces that are replaced.
   const Connectivity& whole() const { return all_ ? *all_ : left; }
+  /// Where fills pass through each other or the mesh, or through its limit surface if that is what they continue.
+  std::vector<std::optional<Vec3>> passages_of(std::span<const Fill* const> fills, const FillOptions& options) const;
   /// Whether the neighborhood of one rim is all that is known.
   bool is_part() const { return is_part_; }
 
   const Mesh& mesh;
   const Connectivity& left;  ///< without the faces that are replaced
   VertexPlanes planes;       ///< that fills have at vertices of their rims, whatever the faces around tell
+  bool keeps_clear = false;  ///< whether fills that pass through the mesh are the last to be chosen
 
 private:
   bool is_part_;
