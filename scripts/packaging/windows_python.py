@@ -53,6 +53,10 @@ def make(folder: Path, requirements: list[str]) -> None:
                 beside_program = part.name.lower().startswith(("python", "vcruntime"))
                 (folder if beside_program else folder / "DLLs").joinpath(part.name).write_bytes(archive.read(name))
     shutil.copytree(BUILD / "python-source" / PYTHON / "Lib", folder / "Lib", ignore=shutil.ignore_patterns("test", "idlelib"))
+    # The DLL's importlib is that of 3.11.9, which calls this on the class; in Debian's 3.11.2 it is no class method yet.
+    metadata = folder / "Lib" / "importlib" / "metadata" / "__init__.py"
+    method = "    def invalidate_caches(cls)"
+    metadata.write_text(metadata.read_text().replace(method, f"    @classmethod\n{method}"))
     toolchain(platform)
     library = import_library(PYTHON, headers(PYTHON, platform))
     program = folder / "python.c"
