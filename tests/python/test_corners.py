@@ -139,3 +139,22 @@ def test_planes_around_a_hole_meet_in_it_as_the_solid_s_do(name, corner):
         now = closed_volume_and_area(np.vstack([vertices, fill.vertices]), closed)
         exact += abs(now[0] - volume) < 1e-6 * volume and abs(now[1] - area) < 1e-6 * area
     assert exact >= 7  # of 8: a hole may have lost a whole wall
+
+
+def test_a_crease_begins_in_a_corner_on_the_boundary():
+    """Without the faces around the vertex next to a box's corner no edge of the crease between them is left at the corner."""
+    vertices, faces = voxels([(0, 0, 0)], 5)
+    volume, area = closed_volume_and_area(vertices, faces)
+    corners, along = corners_of(vertices, faces)
+    tried = 0
+    for w in along:
+        left = faces[~(faces == w).any(axis=1)]
+        near = [v for v in corners if np.isclose(np.linalg.norm(vertices[v] - vertices[w]), 0.2)]
+        if not near or (left == near[0]).any(axis=1).sum() < 3:
+            continue
+        (fill,) = tripatch.fill_all(vertices, left, outer=True)
+        closed = np.vstack([left, *(np.array([[f[0], f[k - 1], f[k]] for k in range(2, len(f))]) for f in fill.faces)])
+        now = closed_volume_and_area(np.vstack([vertices, fill.vertices]), closed)
+        assert now == pytest.approx((volume, area), rel=1e-9)
+        tried += 1
+    assert tried > 0

@@ -317,16 +317,20 @@ private:
     // where the border of one leaves the other, no face of which is left
     if (here >= seen_ && beside == before && !contains(planes_[here], at(place + n_ - 1))) return true;
     if (before >= seen_ && last == here && !contains(planes_[before], at(place + 1))) return true;
-    const Index v = rim_[place];
-    const WallPlane &one_wall = planes_[before], &other_wall = planes_[here];
-    for (Connectivity::Corner c : around_.at(v)) {
+    bool leaves_before = false, leaves_here = false;  // for a third wall
+    for (Connectivity::Corner c : around_.at(rim_[place])) {
       const Index w = around_.next(c);
-      const auto one = around_.edge(v, w), other = around_.edge(w, v);
+      const auto one = around_.edge(rim_[place], w), other = around_.edge(w, rim_[place]);
       if (!one || !other) continue;
-      const Index f = around_.face(*one), g = around_.face(*other);
-      if ((lies_in(f, one_wall) && lies_in(g, other_wall)) || (lies_in(g, one_wall) && lies_in(f, other_wall))) return true;
+      for (const auto [f, g] :
+           {std::pair(around_.face(*one), around_.face(*other)), std::pair(around_.face(*other), around_.face(*one))}) {
+        if (lies_in(f, planes_[before]) && lies_in(g, planes_[here])) return true;
+        if (angle_between(area_vector(mesh_, f), area_vector(mesh_, g)) < min_crease_angle) continue;
+        leaves_before = leaves_before || lies_in(f, planes_[before]);
+        leaves_here = leaves_here || lies_in(f, planes_[here]);
+      }
     }
-    return false;
+    return last == before && beside == here && leaves_before && leaves_here;
   }
 
   std::vector<Index> in_plane_of(const WallPlane& plane, const std::vector<Index>& faces) const {
