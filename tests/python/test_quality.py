@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import tripatch
 from tripatch import __main__ as cli
-from tripatch import quality, view
+from tripatch import files, quality, view
 
 N = 24
 
@@ -348,14 +348,17 @@ def test_every_kind_of_picture(tmp_path, capsys, kind):
     assert str(tmp_path / "out.png") in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("suffix", [".ply", ".obj"])
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".glb", ".gltf", ".3mf", ".usda"])
 def test_the_stripes_of_fills_are_orange(tmp_path, capsys, suffix):
+    if suffix == ".usda":
+        pytest.importorskip("pxr")
     vertices, triangles = grid(lambda x, y: 0.2 * x * y)
     middle = np.linalg.norm(vertices[triangles].mean(axis=1), axis=1) < 0.3
     mesh, filled, out = write(tmp_path / "in.obj", vertices, triangles[~middle]), tmp_path / f"out{suffix}", tmp_path / "o.png"
     if suffix == ".ply":
         mesh = known(tmp_path / "in.ply", vertices, triangles[~middle], lambda v: 0 * v[:, 0])
     assert cli.main(["fill", str(mesh), str(filled), "--all"]) == 0
+    assert files.read(filled).fill_faces.sum() == len(files.read(filled).faces) - (~middle).sum()
     for file, orange in ((filled, True), (mesh, False)):
         assert cli.main(["view", str(file), str(out), "--zebra", "--from", "0,0,1", "--size", "100,100", "--lines", "40"]) == 0
         image = read_png(out).astype(int)

@@ -80,7 +80,7 @@ def picture(
     lines: float = LINES,
     most: float | None = None,
     deviation: ArrayLike | None = None,
-    fills: int = 0,
+    fills: ArrayLike | None = None,
 ) -> Any:
     """A picture (h, w, 3) of bytes, and a sentence on what it shows.
 
@@ -92,7 +92,7 @@ def picture(
         direction, lines: of stripes, as `quality.stripes` has them.
         most: where the scale of colors ends; None: 95 of a hundred values are within it (seam: 1 degree, deviation: all).
         deviation: (n,) what that kind shows; below 0 or nan: unknown.
-        fills: so many of the last faces are orange in the kinds that have no colors.
+        fills: (m,) bool, the faces that are orange in the kinds that have no colors.
     """
     vertices = np.asarray(vertices, dtype=np.float64)
     triangles, of_face = quality.triangulated(faces, vertices)
@@ -111,11 +111,12 @@ def picture(
     of, weights = canvas.triangle[seen], canvas.weights[seen]
     normals = quality.unit((quality.corner_normals(vertices, triangles)[of] * weights[:, :, None]).sum(axis=1))
     if kind in ("zebra", "highlight"):
-        told = Message("stripes_shown" if kind == "zebra" else "highlight_shown", {"fills": 1} if fills else {})
+        orange = np.zeros(len(faces), bool) if fills is None else np.asarray(fills, bool)
+        told = Message("stripes_shown" if kind == "zebra" else "highlight_shown", {"fills": 1} if orange.any() else {})
         normals *= np.where(normals @ canvas.axes[2] < 0, -1, 1)[:, None]  # the side that is seen
         stripe = quality.stripes(normals, direction, lines, canvas.axes[2] if kind == "zebra" else None)
         color = np.repeat((0.06 + 0.88 * np.clip(0.5 + 4 * (stripe - 0.5), 0, 1))[:, None], 3, axis=1)
-        color[of_face[of] >= len(faces) - fills] *= _FILL_COLOR
+        color[orange[of_face[of]]] *= _FILL_COLOR
     elif kind == "folds":
         bad = quality.folded(vertices, triangles)
         told = Message("folds_shown", {"count": int(bad.sum())}) if bad.any() else Message("no_folds_shown")
@@ -203,7 +204,7 @@ def run(args: argparse.Namespace) -> int:
         lines=args.lines,
         most=args.max,
         deviation=deviation,
-        fills=mesh.filled_faces,
+        fills=mesh.fill_faces,
     )
     try:
         args.out.write_bytes(png(image))

@@ -339,6 +339,17 @@ class GltfFile(SceneFile):
                 if isinstance(extras, dict) and isinstance(extras.get(evidence.FILL), list):
                     yield primitive, extras
 
+    @property
+    def fill_faces(self) -> Array:
+        """(m,) bool: which faces are fills by TriPatch."""
+        marked = {id(primitive) for primitive, _ in self._extras()}
+        found = np.zeros(len(self.faces), bool)
+        for n, (mesh, own) in enumerate(zip(self._meshes, self._primitives, strict=True)):
+            fills = [p for p, each in enumerate(self._json["meshes"][mesh]["primitives"]) if id(each) in marked]
+            mine = self._part_of_face == n
+            found[mine] = np.isin(own[self._number_in_part[mine]], fills)
+        return found
+
     def stripped(self) -> bytes:
         """The file as it was before its fills."""
         before = next((extras[_ORIGINAL] for _, extras in self._extras() if _ORIGINAL in extras), None)

@@ -66,9 +66,14 @@ class MeshFile:
         return None
 
     @property
-    def filled_faces(self) -> int:
-        """How many of the last faces are fills by TriPatch, as far as files of this format say so."""
-        return 0
+    def fill_faces(self) -> Array:
+        """(m,) bool: which faces are fills by TriPatch, as far as files of this format say so."""
+        return self._last_faces(0)
+
+    def _last_faces(self, count: int) -> Array:
+        found = np.zeros(len(self.faces), bool)
+        found[max(len(found) - count, 0) :] = True
+        return found
 
     def join(self, joined: Any) -> None:
         """Changes what `join` of `fill_all` changes in the mesh (`Fills.joined`), before fills are added."""

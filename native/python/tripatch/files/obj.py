@@ -286,9 +286,9 @@ class ObjFile(MeshFile):
         return self
 
     @property
-    def filled_faces(self) -> int:
-        """How many of the last faces are fills by TriPatch."""
-        return evidence.faces_of(re.findall(rb"^" + _FILL + rb"(.*)$", self._data, re.MULTILINE))
+    def fill_faces(self) -> Array:
+        """(m,) bool: which faces are fills by TriPatch."""
+        return self._last_faces(evidence.faces_of(re.findall(rb"^" + _FILL + rb"(.*)$", self._data, re.MULTILINE)))
 
     def stripped(self) -> bytes:
         """The file as it was before its fills."""

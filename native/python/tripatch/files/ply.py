@@ -227,9 +227,10 @@ class PlyFile(MeshFile):
         return data[: at.start()] + comment + self._eol + data[at.start() :]
 
     @property
-    def filled_faces(self) -> int:
-        """How many of the last faces are fills by TriPatch."""
-        return evidence.faces_of(re.findall(rb"(?<=[\r\n])" + _FILL + rb"([^\r\n]*)", bytes(self._data[: self._body])))
+    def fill_faces(self) -> Array:
+        """(m,) bool: which faces are fills by TriPatch."""
+        said = re.findall(rb"(?<=[\r\n])" + _FILL + rb"([^\r\n]*)", bytes(self._data[: self._body]))
+        return self._last_faces(evidence.faces_of(said))
 
     def stripped(self) -> bytes:
         """The file as it was before its fills."""

@@ -85,7 +85,7 @@ class _Model:
         self.items: list[tuple[str, str, Any]] = []
         self.tags: dict[str, str] = {}  # as the file writes them
         self.resources = -1
-        self.fills = 0
+        self.fills: list[list[str]] = []  # what is said of each, in pieces
         self._object, self._group = _Object(), _Group("")
         self._parser = parser = expat.ParserCreate(namespace_separator=" ")
         parser.StartElementHandler, parser.EndElementHandler = self._start, self._end
@@ -117,7 +117,9 @@ class _Model:
         elif name == "color":
             self._group.rows.append([int(given["color"][k : k + 2] or "ff", 16) for k in (1, 3, 5, 7)])
         elif name == "metadata":
-            self.fills += given.get("name", "").rpartition(":")[2].startswith("fill_") and "tripatch" in given["name"]
+            if given.get("name", "").rpartition(":")[2].startswith("fill_") and "tripatch" in given["name"]:
+                self.fills.append([])
+                self._parser.CharacterDataHandler = self.fills[-1].append
         elif name == "resources":
             self.resources = self._parser.CurrentByteIndex
         if name in ("vertex", "triangle", "tex2coord", "color", "metadata", "resources") and name not in self.tags:
@@ -135,6 +137,8 @@ class _Model:
         name, at = name.rpartition(" ")[2], self._parser.CurrentByteIndex
         if name in ("vertices", "triangles"):
             self._object.ends[name] = at
+        elif name == "metadata":
+            self._parser.CharacterDataHandler = None
         elif name in _BLENDED:
             self._group.end = at
 
@@ -254,8 +258,22 @@ class ThreemfFile(SceneFile):
     def marked(self) -> MeshFile:
         """The same file, whose metadata will say of each fill which triangles are its."""
         super().marked()
-        self._number = self._models[self._root].fills
+        self._number = len(self._models[self._root].fills)
         return self
+
+    @property
+    def fill_faces(self) -> Array:
+        """(m,) bool: which faces are fills by TriPatch."""
+        found = np.zeros(len(self.faces), bool)
+        parts = {(model.name, number): n for n, (model, number) in enumerate(self._where)}
+        for text in self._models[self._root].fills:
+            try:
+                said = json.loads("".join(text))
+                n, first, end = parts[said["model"], said["object"]], said["first_face"], said["first_face"] + said["faces_here"]
+                found |= (self._part_of_face == n) & (first <= self._number_in_part) & (self._number_in_part < end)
+            except (LookupError, TypeError, ValueError):  # written by another program
+                continue
+        return found
 
     def stripped(self) -> bytes:
         """The file as it was before its fills: what is new stands behind it."""

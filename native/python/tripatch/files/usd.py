@@ -298,6 +298,17 @@ class UsdFile(SceneFile):
         self._number = max((int(mesh.marks.max(initial=0)) for mesh in self._meshes if mesh.marks is not None), default=0)
         return self
 
+    @property
+    def fill_faces(self) -> Array:
+        """(m,) bool: which faces are fills by TriPatch."""
+        found = np.zeros(len(self.faces), bool)
+        for n, mesh in enumerate(self._meshes):
+            mine = np.flatnonzero(self._part_of_face == n)
+            own = self._number_in_part[mine]
+            if mesh.marks is not None and len(mesh.marks) > own.max(initial=0):
+                found[mine] = mesh.marks[own] > 0
+        return found
+
     def stripped(self) -> bytes:
         """A USD layer does not keep how it was."""
         raise FileError("USD layers say which faces are fills, but not how their text was before; keep the original file")
