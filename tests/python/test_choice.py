@@ -29,10 +29,8 @@ def test_the_used_candidate_comes_first_and_is_the_fill():
 
 
 def test_of_valid_candidates_the_one_with_the_least_expected_error_is_used():
-    rng = np.random.default_rng(3)
-    vertices, faces, rim = octant(12)
-    rough = vertices + 0.01 * rng.normal(size=vertices.shape)
-    first, *others = candidates(rough, faces, rim=rim)
+    vertices, faces, rim = octant(8)
+    first, *others = candidates(vertices, faces, rim=rim)
     made = [each for each in others if each.status == "made" and not each.folds and not each.crosses and not each.leaves_hole]
     assert made and all(first.expected_error <= each.expected_error for each in made)
 
@@ -43,6 +41,16 @@ def test_a_spline_is_skipped_if_the_patch_is_exact_and_tried_between_three_sides
     assert ways["side_vertex"] == "used" and ways["polyharmonic_spline"] == "skipped"
     stretched = vertices * [1, 1.7, 0.6] + 0.1 * np.sin(3 * vertices[:, [1, 2, 0]])
     assert [each for each in candidates(stretched, faces, rim=rim) if each.method == "polyharmonic_spline" and each.folds == 0]
+
+
+def test_a_patch_whose_tangent_planes_are_too_uncertain_to_beat_the_spline_is_not_made():
+    vertices, faces, rim = octant(12)
+    rough = vertices + 0.01 * np.random.default_rng(3).normal(size=vertices.shape)
+    used, *others = candidates(rough, faces, rim=rim)
+    assert used.method == "polyharmonic_spline"
+    assert ("skipped", "cannot be more accurate than polyharmonic_spline") in {(each.status, each.why) for each in others}
+    patch = tripatch.fill(rough, faces, rim=rim, method="side_vertex").report
+    assert used.expected_error < np.radians(patch.surroundings_error) / 8 * np.sqrt(2)  # the least error that such planes allow
 
 
 def test_candidates_that_are_not_made_say_why_and_have_no_numbers():

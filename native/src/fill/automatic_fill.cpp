@@ -202,7 +202,8 @@ struct FillProblem {
   const Corners& corners;         ///< as given
   const FillOptions& options;
   const double size = diameter(ground.mesh, loop);
-  bool is_of_revolution = false;  ///< the surroundings of a round rim
+  bool is_of_revolution = false;     ///< the surroundings of a round rim
+  std::optional<Fill> early_spline;  ///< if it was made before the patch
 
 private:
   Fill spline_anew() const { return fill_any_rim(ground, rim, sides_->of_spline, sides_->options, {}); }
@@ -264,15 +265,37 @@ std::string skip_patch(FillProblem& problem, const TriedFills&) {
   return sides.domain == Domain::none ? sides.reason : "";
 }
 
+Fill new_spline(FillProblem& problem, const TriedFills& tried) {
+  Fill fill = problem.spline();
+  const std::optional<Fill>& rows = tried.front().fill;  // even quads, whatever their heights
+  if (rows && problem.options.output == Output::quads)
+    if (std::optional<Fill> even = rows_on_surface(problem.ground, *rows, fill)) return std::move(*even);
+  return fill;
+}
+
+/// Before a patch is made, by the error of its tangent planes in degrees: throws LessAccurate where the spline is better whatever the patch
+/// is like.
+void weigh(FillProblem& problem, const TriedFills& tried, double degrees) {
+  const double least = least_error(degrees, problem.size);
+  if (wants_patch(problem) || is_negligible(least, problem.size)) return;
+  try {
+    problem.early_spline = new_spline(problem, tried);
+  } catch (const CodedRefusal&) {
+    return;  // reported where the spline has its turn
+  }
+  const Quality quality = judged(problem, *problem.early_spline);
+  if (is_valid(quality) && least >= quality.expected_error) throw LessAccurate{problem.early_spline->report.method};
+}
+
 void check_sides(const Ground& ground, const std::vector<Index>& rim, std::span<const Index> corners) {
   if (zigzag(ground.mesh, rim, corners) > smooth_sides) throw CodedRefusal(Code::sides_zigzag, rim);
 }
 
-Fill make_triangle(FillProblem& problem) {
+Fill make_triangle(FillProblem& problem, const PlanesEstimated& estimated) {
   const SidesFound& sides = problem.sides();
   check_counts(sides.options, 3);
   check_sides(problem.ground, sides.hole.rim, sides.hole.corners);
-  return fill_with_patch(problem.ground, sides.hole, sides.options);
+  return fill_with_patch(problem.ground, sides.hole, sides.options, estimated);
 }
 
 bool is_beside_sharp(const Fill& patch) { return std::ranges::count(patch.report.continuity, SeamContinuity::free) > 0; }
@@ -283,7 +306,7 @@ Fill unless_given_up(const FillProblem& problem, PolygonFill made) {
 }
 
 /// Between two sides or four and more. laid_out: also if it folds.
-Fill make_polygon(FillProblem& problem, bool laid_out) {
+Fill make_polygon(FillProblem& problem, bool laid_out, const PlanesEstimated& estimated = {}) {
   const SidesFound& sides = problem.sides();
   FillOptions options = sides.options;
   options.cross_boundary = CrossBoundary::consistent;  // of three sides
@@ -292,28 +315,30 @@ Fill make_polygon(FillProblem& problem, bool laid_out) {
   check_sides(problem.ground, found.rim, found.places);
   if (!wants_patch(problem)) problem.begin_spline();
   Fill fill = unless_given_up(problem, fill_with_polygon(problem.ground.mesh, problem.ground.left, found.rim, found.places,
-                                                         options, laid_out, problem.ground.planes));
+                                                         options, laid_out, problem.ground.planes, estimated));
   if (sides.corners.size() == 2 && is_beside_sharp(fill) && !wants_patch(problem))
     throw CodedRefusal(Code::two_sides_tell_less, problem.loop);
   return fill;
 }
 
-Fill make_disc(FillProblem& problem, const SideContinuity* continuity = nullptr) {
+Fill make_disc(FillProblem& problem, const SideContinuity* continuity, const PlanesEstimated& estimated = {}) {
   FillOptions options = problem.sides().options;
   options.cross_boundary = CrossBoundary::consistent;  // of three sides
   if (continuity) options.continuity = *continuity;
   check_counts(options, 1);
   check_positions(problem.ground.mesh, problem.ground.left, problem.loop);
-  PolygonFill made = fill_round(problem.ground.mesh, problem.ground.left, problem.loop, options, false, problem.ground.planes);
+  PolygonFill made =
+      fill_round(problem.ground.mesh, problem.ground.left, problem.loop, options, false, problem.ground.planes, estimated);
   problem.is_of_revolution = made.of_revolution;
   return unless_given_up(problem, std::move(made));
 }
 
-Fill make_patch(FillProblem& problem, const TriedFills&) {
+Fill make_patch(FillProblem& problem, const TriedFills& tried) {
   const Domain domain = problem.sides().domain;
-  Fill fill = domain == Domain::triangle ? make_triangle(problem)
-              : domain == Domain::disc   ? make_disc(problem)
-                                         : make_polygon(problem, false);
+  const PlanesEstimated estimated = [&](double degrees) { weigh(problem, tried, degrees); };
+  Fill fill = domain == Domain::triangle ? make_triangle(problem, estimated)
+              : domain == Domain::disc   ? make_disc(problem, nullptr, estimated)
+                                         : make_polygon(problem, false, estimated);
   const bool revolved = problem.is_of_revolution && problem.options.cap == Cap::automatic;
   fill.report.method_reason = revolved ? round_of_revolution : problem.sides().reason;
   return fill;
@@ -376,10 +401,7 @@ std::string skip_spline(FillProblem& problem, const TriedFills& tried) {
 }
 
 Fill make_spline(FillProblem& problem, const TriedFills& tried) {
-  Fill fill = problem.spline();
-  const std::optional<Fill>& rows = tried.front().fill;  // even quads, whatever their heights
-  if (rows && problem.options.output == Output::quads)
-    if (std::optional<Fill> even = rows_on_surface(problem.ground, *rows, fill)) fill = std::move(*even);
+  Fill fill = problem.early_spline ? std::move(*problem.early_spline) : new_spline(problem, tried);
   fill.report.method_reason = why_spline(problem, tried);
   return fill;
 }

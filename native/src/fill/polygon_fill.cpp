@@ -431,7 +431,7 @@ std::pair<MeshPolygon, PolygonPatch> read_three(const Mesh& mesh, const Connecti
 
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                               const std::vector<Index>& corners, const FillOptions& options, bool folded_too,
-                              const VertexPlanes& planes) {
+                              const VertexPlanes& planes, const PlanesEstimated& estimated) {
   PolygonPatchOptions own = polygon_options(options);
   std::vector<double> angles = sharp_sides(mesh, around, rim, corners);
   SideTerms terms = terms_of_sides(BySide<SideContinuity>(from_first_corner(options.continuity.values())), angles);
@@ -443,6 +443,7 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
     std::tie(known, made) = read_three(mesh, around, rim, corners, terms, options, planes);
   } else {
     known = mesh_polygon(mesh, around, rim, corners, terms.alone, planes);
+    if (estimated && std::ranges::count(terms.alone, true) == 0) estimated(known.surroundings_error);
     made = polygon_patch(known.sides, own);
   }
   PolygonFill result;
@@ -487,7 +488,7 @@ constexpr int max_waves = 48;
 }  // namespace
 
 PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options,
-                       bool folded_too, const VertexPlanes& planes) {
+                       bool folded_too, const VertexPlanes& planes, const PlanesEstimated& estimated) {
   const Index r = static_cast<Index>(rim.size());
   if (r < min_round) throw CodedRefusal(Code::round_rim_too_short, rim);
   const auto [first, backwards] = beginning_of_closed(mesh, around, rim);
@@ -495,7 +496,10 @@ PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::
   std::rotate(own.begin(), own.begin() + first, own.end());
   const ClosedSide known = closed_side(mesh, around, own, backwards, planes);
   const double begin = known.t[(r - first) % r];  // of the rim as it is given
-  const RoundPatch as_known = round_patch(known.side, polygon_options(options), static_cast<int>(std::min<Index>(r, max_waves)));
+  const PolygonPatchOptions own_options = polygon_options(options);
+  const int order = static_cast<int>(std::min<Index>(r, max_waves));
+  if (estimated && !is_of_revolution(known.side, own_options, order)) estimated(known.surroundings_error);
+  const RoundPatch as_known = round_patch(known.side, own_options, order);
   const RoundPatch made = begun_at(as_known, begin);
   PolygonFill result;
   Fill& fill = result.fill;

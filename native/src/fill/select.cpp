@@ -31,13 +31,12 @@ double root_mean_square(const Eigen::VectorXd& values) {
 
 double stated_error(const Fill& fill, double size) {
   const Report& report = fill.report;
-  const double planes = report.surroundings_error * std::numbers::pi / 180;
+  const double by_planes = least_error(report.surroundings_error, size);
   if (report.method == rows_method) return error_by_missed * root_mean_square(fill.deviation);
   if (!fill.patch) return error_of_triangles * size;
-  if (report.method == spline_method)
-    return std::hypot(error_by_deviation * root_mean_square(fill.deviation), error_by_planes * planes * size);
+  if (report.method == spline_method) return std::hypot(error_by_deviation * root_mean_square(fill.deviation), by_planes);
   if (fill.vertices.rows() == 0) return 0;
-  return size * std::hypot(error_by_energy * std::sqrt(report.energy_after), error_by_planes * planes);
+  return std::hypot(size * error_by_energy * std::sqrt(report.energy_after), by_planes);
 }
 
 auto compared(const Quality& q) { return std::tuple(q.crosses, q.folds, q.leaves_hole); }
@@ -56,6 +55,8 @@ double expected_error(const Fill& fill, double size) {
   const double error = stated_error(fill, size);
   return error < size ? error : size;  // a number, too
 }
+
+double least_error(double degrees, double size) { return error_by_planes * degrees * std::numbers::pi / 180 * size; }
 
 bool is_negligible(double error, double size) { return error <= negligible * size; }
 
@@ -94,6 +95,8 @@ TriedFills try_all(FillProblem& problem, std::span<const Strategy> strategies, d
         now.row.status = CandidateStatus::made;
         now.row.quality = judged(problem, *now.fill);
       }
+    } catch (const LessAccurate& less) {
+      now.row.why = "cannot be more accurate than " + less.than;
     } catch (const CodedRefusal& refusal) {
       now.row.status = CandidateStatus::refused;
       now.row.why = refusal.what();

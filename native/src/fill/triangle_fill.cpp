@@ -112,7 +112,7 @@ bool may_follow_points(const FillOptions& options) {
 
 }  // namespace
 
-Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options) {
+Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options, const PlanesEstimated& estimated) {
   check_counts(options, 3);
   const Mesh& mesh = ground.mesh;
   const std::string method = options.method == automatic_method ? patch_method : options.method;
@@ -126,6 +126,7 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
   const Surroundings surroundings =
       surroundings_of(mesh, ground.whole(), ground.left, hole,
                       options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr, ground.planes);
+  if (estimated && std::ranges::count(hole.alone, true) == 0) estimated(surroundings.error);
 
   MadePatch made = patch_without_folds(surroundings.sides, own);
   if (made.report.folds > 0 && may_follow_points(options))

@@ -263,15 +263,24 @@ T single(const std::vector<T>& values, const T& otherwise, const char* name) {
   return values.empty() ? otherwise : values[0];
 }
 
+RoundAsked round_asked(const PolygonPatchOptions& options, int order) {
+  RoundAsked asked = {
+      single(options.continuity, SideContinuity::automatic, "continuity"), single(options.bulge, 1.0, "bulge"), {}, order};
+  if (options.center) asked.through.push_back({Vec2::Zero(), *options.center, {}});
+  return asked;
+}
+
 }  // namespace
+
+bool is_of_revolution(const Side& side, const PolygonPatchOptions& options, int order) {
+  return axis_of(round_base(side, round_asked(options, order), rim_diameter(side.c), order)).has_value();
+}
 
 RoundPatch round_patch(const Side& side, const PolygonPatchOptions& options, int order) {
   const double size = rim_diameter(side.c);
   check_round(side, size);
   check_shape_options(options.fairing.has_value(), options.tension, options.center.has_value(), options.center_offset);
-  RoundAsked asked = {
-      single(options.continuity, SideContinuity::automatic, "continuity"), single(options.bulge, 1.0, "bulge"), {}, order};
-  if (options.center) asked.through.push_back({Vec2::Zero(), *options.center, {}});
+  RoundAsked asked = round_asked(options, order);
   if (asked.continuity == SideContinuity::g2 && side.q.empty()) throw CodedRefusal(Code::curvature_unknown, {{"side", 0}});
   RoundPatch made = round_made(side, options, asked, size);
   if (options.center_offset != 0 || !options.through.empty()) {

@@ -1,6 +1,7 @@
 // The path of n sides: what surrounds a hole between its corners, the patch over a polygon between them, and faces on it.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "tripatch/boundary/vertex_planes.h"
@@ -51,6 +52,9 @@ MadePatch patch_over_polygon(const SideList& sides, const PolygonDomain& domain,
 void report_patch(const PolygonPatch& made, Report& report);
 void report_patch(const RoundPatch& made, Report& report);
 
+/// Called before a patch is made whose sides all have tangent planes, with the error of these in degrees; may throw to have it not made.
+using PlanesEstimated = std::function<void(double degrees)>;
+
 struct PolygonFill {
   Fill fill;
   bool gave_up = false;        ///< no energy serves: another kind of fill may do better
@@ -59,12 +63,13 @@ struct PolygonFill {
 /// folded_too: else a patch that folds has no faces, which take most of the time.
 PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                               const std::vector<Index>& corners, const FillOptions& options, bool folded_too = true,
-                              const VertexPlanes& planes = {});
+                              const VertexPlanes& planes = {}, const PlanesEstimated& estimated = {});
 
 /// A round rim has at least so many edges.
 constexpr Index min_round = 6;
-/// The patch over a disc whose rim has no corners. rim: in the direction of new faces, min_round edges or more. folded_too: as above.
+/// The patch over a disc whose rim has no corners. rim: in the direction of new faces, min_round edges or more. folded_too: as above. estimated:
+/// not called if the surroundings are of revolution, and the patch with them.
 PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options,
-                       bool folded_too = true, const VertexPlanes& planes = {});
+                       bool folded_too = true, const VertexPlanes& planes = {}, const PlanesEstimated& estimated = {});
 
 }  // namespace tripatch

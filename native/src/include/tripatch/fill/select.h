@@ -13,6 +13,8 @@ namespace tripatch {
 
 /// How far the new vertices of a fill are expected to be off, scene units. size: the diameter of the hole.
 double expected_error(const Fill& fill, double size);
+/// That of a patch at least, by the error of its sides' tangent planes in degrees.
+double least_error(double degrees, double size);
 /// Whether nobody sees so small an error.
 bool is_negligible(double error, double size);
 
@@ -32,6 +34,11 @@ using TriedFills = std::vector<Tried>;
 /// The best of those that are made, of equal ones the first; null: none is.
 const Tried* best_of(const TriedFills& tried);
 
+/// Thrown while a candidate is made that cannot be more accurate than another one, by the method of that.
+struct LessAccurate {
+  std::string than;
+};
+
 /// Facts of a hole and the options of its fill.
 struct FillProblem;
 
@@ -40,6 +47,7 @@ struct Strategy {
   const char* method;
   /// Why it is not tried; empty: it is.
   std::string (*skips)(FillProblem&, const TriedFills& tried);
+  /// May throw a CodedRefusal, or LessAccurate.
   Fill (*make)(FillProblem&, const TriedFills& tried);
 };
 

@@ -3,11 +3,12 @@
 
 #include "tripatch/cage/sided_rim.h"
 #include "tripatch/fill/ground.h"
+#include "tripatch/fill/polygon_fill.h"
 #include "tripatch/output/fill_result.h"
 
 namespace tripatch {
 
-Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options);
+Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options, const PlanesEstimated& estimated = {});
 
 /// Angles by side of a hole with three corners, as of sharp_sides.
 std::vector<double> sharp_sides_of(const Ground& ground, const Hole& hole);

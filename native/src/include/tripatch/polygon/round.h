@@ -45,6 +45,8 @@ struct RoundPatch : Faired {
 /// side: closed, its end being its beginning, and smooth there: else a Refusal. order: of the waves round the rim that are kept. Of the
 /// options those by side have one value; inner points are not taken.
 RoundPatch round_patch(const Side& side, const PolygonPatchOptions& options = {}, int order = 48);
+/// Whether the surrounding surface is of revolution, and with that the patch.
+bool is_of_revolution(const Side& side, const PolygonPatchOptions& options, int order);
 
 /// The same patch with the parameters of its side counted from another place of it.
 RoundPatch begun_at(RoundPatch made, double t);
