@@ -152,3 +152,10 @@ def test_quiet_prints_errors_only_and_verbose_a_line_for_each_hole(one, tmp_path
         assert run(capsys, *command)[1]
         assert run(capsys, *command, "--quiet") == (0, "", "")
     assert len(borders(tmp_path / "b.obj")) == 2
+
+
+def test_an_input_that_is_not_there_or_has_no_suffix_is_named(tmp_path, capsys):
+    (tmp_path / "mesh").write_text("v 0 0 0\n")
+    for name, said in (("-", "No such file"), (tmp_path / "none.xyz", "No such file"), (tmp_path / "mesh", "no suffix")):
+        code, out, err = run(capsys, "fill", name, "-o", tmp_path / "out.obj")
+        assert (code, out) == (2, "") and f"{name} cannot be read" in err and said in err

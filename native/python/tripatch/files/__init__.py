@@ -56,6 +56,9 @@ def read(path: str | os.PathLike[str]) -> MeshFile:
     """
     path = Path(path)
     try:
+        path.stat()
+        if not path.suffix:
+            raise FileError("Its name has no suffix that tells the format; call it, say, mesh.obj")
         return _class_for(path).of_path(path)
     except FileError as error:
         raise FileError(f"{path} cannot be read. {error}") from error
