@@ -1,6 +1,7 @@
 """Holes of few edges, which meshes made by programs have by the thousand, are closed without a patch."""
 
 import numpy as np
+import pytest
 import tripatch
 
 HEIGHT = 3
@@ -104,3 +105,18 @@ def test_one_triangle_closes_three_edges():
     fill = tripatch.fill(vertices, [[0, 1, 3], [1, 2, 3], [2, 0, 3]], rim=[0, 1, 2])
     assert [set(face) for face in fill.faces] == [{0, 1, 2}]
     assert len(fill.vertices) == 0 and fill.patch is None
+
+
+@pytest.mark.parametrize(("width", "is_small"), [(0.27, True), (0.31, False)])
+def test_a_needle_nearby_is_no_crease_however_it_is_turned(width, is_small):
+    n = 10
+    vertices = np.array([[i, j, 0.0] for j in range(n) for i in range(n)])
+    quads = [(j * n + i, j * n + i + 1, (j + 1) * n + i + 1, (j + 1) * n + i) for i in range(n - 1) for j in range(n - 1)]
+    faces = [three for a, b, c, d in quads if a != 4 * n + 4 for three in ([a, b, c], [a, c, d])]
+    vertices[7 * n + 4] = [
+        3.6,
+        6 + width,
+        width * np.tan(np.radians(30)),
+    ]  # over the edge from (3, 6)
+    fill = tripatch.fill(vertices, faces, rim=[4 * n + 4, 4 * n + 5, 5 * n + 5, 5 * n + 4])
+    assert (fill.patch is None) == is_small

@@ -21,10 +21,6 @@ constexpr std::size_t share_of_shorter = 4;
 constexpr int max_on_edge = 8;
 /// The sine of the angle between two triangles of one flat face, at most: what single precision leaves of triangles 100 times as long as wide.
 constexpr double flat = 1e-4;
-/// Two such triangles come of a face that was cut where both are so many times as long as wide: the flat bottom of a scanned figure is cut at
-/// random, and with its edges a hole next to was 1.3 times farther off.
-constexpr double needle = 3;
-
 /// Where edges that are half as long or longer continue from both ends of a long one, and turn there by so much (a sine: 3 degrees), whoever
 /// made the mesh makes such edges where the surface is round: a vase of few spokes and many rings. Edges that continue into short ones,
 /// as a wall's do into those of a bevel, may turn as they will.
@@ -86,7 +82,7 @@ public:
       const Vec3 area = (p[1] - p[0]).cross(p[2] - p[0]);
       normals_.row(f) = area.stableNormalized();
       for (int k = 0; k < 3; ++k)
-        if (clearly_more((p[(k + 1) % 3] - p[k]).squaredNorm(), needle * area.norm())) is_needle[f] = true;
+        if (clearly_more((p[(k + 1) % 3] - p[k]).squaredNorm(), needle_length * area.norm())) is_needle[f] = true;
     }
     for (std::size_t k = 0; k + 1 < lines.size(); ++k) {
       if (!is_inside(lines, k) || !is_needle[lines[k].face] || !is_needle[lines[k + 1].face]) continue;

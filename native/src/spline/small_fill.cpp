@@ -8,6 +8,7 @@
 
 #include "tripatch/constructions/methods.h"
 #include "tripatch/creases/flat_walls.h"
+#include "tripatch/estimate/long_edges.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/height_models.h"
 #include "tripatch/report/folded_triangles.h"
@@ -67,10 +68,10 @@ struct Frame {
   Vec3 normal_of(const Vec2& slope) const { return (normal - slope[0] * u - slope[1] * v).normalized(); }
 };
 
-/// Nothing where a face is turned from the plane, or from one next to it, as far as at a crease.
+/// Nothing where a face is turned from the plane, or from one next to it, as far as at a crease; but for needles.
 std::optional<Frame> frame_of(const Mesh& mesh, const Connectivity& around, const TwoRings& near, std::size_t edges) {
   static const double min_cosine = std::cos(min_crease_angle);
-  std::vector<Vec3> areas;
+  std::vector<Vec3> areas;  // zero of needles
   Vec3 sum = Vec3::Zero();
   for (const Index f : near.faces) {
     const std::span<const Index> face = mesh.faces[f];
@@ -78,8 +79,11 @@ std::optional<Frame> frame_of(const Mesh& mesh, const Connectivity& around, cons
     Vec3 area = Vec3::Zero();
     for (std::size_t k = 2; k < face.size(); ++k)
       area += (Vec3(mesh.vertices.row(face[k - 1])) - first).cross(Vec3(mesh.vertices.row(face[k])) - first);
-    areas.push_back(area);
+    double longest = 0;  // its square
+    for (std::size_t k = 0; k < face.size(); ++k)
+      longest = std::max(longest, (mesh.vertices.row(face[k]) - mesh.vertices.row(face[(k + 1) % face.size()])).squaredNorm());
     sum += area;
+    areas.push_back(longest > needle_length * area.norm() ? Vec3(Vec3::Zero()) : area);
   }
   Frame frame;
   frame.normal = sum.normalized();
