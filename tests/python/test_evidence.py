@@ -55,11 +55,18 @@ def text_stl(vertices, faces, _):
     return (text + "endsolid mine\n").encode()
 
 
+def on_one_line(vertices, faces, _):
+    head, body = re.split(rb"(?<=end_header)\s+", ply_of(vertices, faces), maxsplit=1)
+    rows = [b" ".join(row.split()) for row in body.splitlines()]
+    return b"\n".join([head, b" ".join(rows[: len(vertices)]), *rows[len(vertices) :], b""])
+
+
 FILES = {
     "obj": (".obj", lambda v, f, _: obj_of(v, f)),
     "obj, plain": (".obj", plain(".obj")),
     "ply, text": (".ply", lambda v, f, _: ply_of(v, f)),
     "ply, text without an end": (".ply", lambda v, f, _: ply_of(v, f, end=b"")),
+    "ply, text with all vertices on one line": (".ply", on_one_line),
     "ply, little endian": (".ply", lambda v, f, _: ply_of(v, f, "binary_little_endian")),
     "ply, big endian": (".ply", lambda v, f, _: ply_of(v, f, "binary_big_endian")),
     "ply, plain": (".ply", plain(".ply")),

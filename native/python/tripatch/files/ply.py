@@ -57,6 +57,7 @@ class _PlyElement:
         self.new: list[bytes] = []
         self.added = 0  # rows in `new`
         self.plain = False  # whether every line of a text holds its row and nothing else
+        self.gaps: list[str] = []  # of a text whose rows are no lines: what is between rows, and behind the last
 
     def lists(self) -> list[int]:
         """The properties that are lists."""
@@ -203,10 +204,12 @@ class PlyFile(MeshFile):
             raise FileError(f"The faces of the PLY file have a property {evidence.FILL} that is not one whole number; rename it")
         made = self
         if k < 0:
-            said = {
+            said: dict[str, Any] = {
                 "sha256": evidence.sha256(bytes(self._data)),
                 "counts": [self._count(e).decode("latin-1") for e in self._both()],
             }
+            if any(element.gaps for element in self._elements):
+                said["gaps"] = [element.gaps for element in self._elements]
             made = self._again(self._with_comment(self._with_zeros(face, "int", evidence.FILL), _ORIGINAL + evidence.line(said)))
         made._marks = True
         made._number = len(re.findall(rb"[\r\n]" + _FILL, bytes(made._data[: made._body])))
@@ -245,7 +248,20 @@ class PlyFile(MeshFile):
         for added in ((), (DEVIATION,)):
             data = self._without(dict(zip(("vertex", "face"), before["counts"], strict=True)), gone, added)
             tries += [data, data.removesuffix(self._eol)]
+            if "gaps" in before:
+                tries.append(self._with_gaps(data, before["gaps"], gone))
         return evidence.original(tries, before["sha256"])
+
+    def _with_gaps(self, data: bytes, gaps: Sequence[Sequence[str]], gone: dict[str, int]) -> bytes:
+        """A text with other gaps between its rows than ends of lines."""
+        body = data.index(self._eol, data.index(b"end_header")) + len(self._eol)
+        rows, pieces = iter(data[body:].split(self._eol)), [data[:body]]
+        for element, own in zip(self._elements, gaps, strict=True):
+            if own:
+                between, end = (gap.encode("latin-1") for gap in own)
+                count = element.count - gone.get(element.name, 0)
+                pieces += [between.join(itertools.islice(rows, count)), end]
+        return b"".join(pieces)
 
     def _without(self, counts: dict[str, str], gone: dict[str, int], added: Sequence[str]) -> bytes:
         """The file without the last rows of vertices and faces, and without properties that were added at the end of theirs."""
@@ -311,8 +327,10 @@ class PlyFile(MeshFile):
 
     def _a_line_for_each_row(self) -> list[bytes]:
         """The lines of a file that has several rows on one line, or one row on several."""
-        words, at, lines = bytes(self._data[self._body :]).split(), 0, []
+        text, at, lines = bytes(self._data[self._body :]), 0, []
+        words, gaps = text.split(), [*re.findall(rb"\s+", text), b"", b""]
         for element in self._elements:
+            ends = []
             for _ in range(element.count):
                 start = at
                 for _, _, list_kind in element.properties:
@@ -320,6 +338,8 @@ class PlyFile(MeshFile):
                 if not start <= at <= len(words):
                     raise ValueError
                 lines.append(b" ".join(words[start:at]) + self._eol)
+                ends.append(gaps[at - 1])
+            element.gaps = [gap.decode("latin-1") for gap in (ends[0], ends[-1])] if ends else []
         return lines
 
     def _text_columns(self) -> Any:
