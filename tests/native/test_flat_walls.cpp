@@ -238,6 +238,18 @@ TEST_CASE("walls are not continued beyond a wall that has lost nothing", "[flat_
     }
 }
 
+TEST_CASE("one of the walls that meet may be left as a sliver, not two", "[flat_walls][thresholds]") {
+  for (const bool two : {false, true}) {  // of the top a quad is left, of the wall x = 1 two rows or a quad
+    const Solid open = cube(3).without([&](const Vec3& p) {
+      const bool is_middle = std::abs(p[1]) < 0.1;
+      if (p[2] > 0.999) return !is_middle || p[0] > -0.5;
+      return p[0] > 0.999 && (two ? !is_middle || p[2] > -0.5 : p[2] > 0.5);
+    });
+    CHECK(open.features().walls.has_value() == !two);
+    if (!two) CHECK(closed(open.mesh(), filled(open)).volume == Approx(8).epsilon(1e-9));
+  }
+}
+
 TEST_CASE("what a prism has lost whole comes back as its rim tells it", "[flat_walls]") {
   for (int n = 5; n < 15; ++n)
     for (const double height : {0.5, 2.0}) {

@@ -35,6 +35,8 @@ constexpr double in_one_wall = 1 * std::numbers::pi / 180;
 constexpr double min_bend = 0.1;
 /// Planes next to a rim, as a prism has them whose walls meet at min_crease_angle; and planes that may be those of walls without faces.
 constexpr std::size_t max_planes = 16, max_unseen = 8;
+/// Walls that seem to have lost nothing, where nothing else meets: of one a sliver may be left, two are the solid's shape.
+constexpr int max_whole = 1;
 /// Walls of a hole of which no face is left: what one vertex of a solid takes with it.
 constexpr std::size_t max_lost = 3;
 
@@ -54,13 +56,13 @@ public:
         across_(across),
         within_(in_plane * across) {}
 
-  /// Those that are seen, where they meet; else as few as will do, with others that are lost.
+  /// Those that are seen, where they meet; else as few as will do, with others that are lost; else with one that seems whole.
   std::optional<FlatWalls> walls() {
     if (const WallPlane flat = plane_of_rim(); contains(flat, rim_)) return wall_of(flat);
     if (!read_planes()) return {};
     const Points points = mesh_.vertices(rim_, Eigen::all);
-    const auto meeting = [&] { return least_meeting(planes_, points, walls_of_edges(), across_); };
-    std::optional<WallMeeting> best = meeting();
+    const auto meeting = [&](int whole) { return least_meeting(planes_, points, walls_of_edges(whole), across_); };
+    std::optional<WallMeeting> best = meeting(0);
     const std::vector<WallPlane> unseen = best ? std::vector<WallPlane>() : unseen_planes();
     for (std::size_t lost = 1; lost <= std::min(max_lost, unseen.size()); ++lost) {
       const std::size_t fewest = best ? best->runs : std::numeric_limits<std::size_t>::max();
@@ -70,11 +72,13 @@ public:
         planes_.resize(seen_);
         for (std::size_t k = 0; k < unseen.size(); ++k)
           if (taken[k]) planes_.push_back(unseen[k]);
-        std::optional<WallMeeting> found = meeting();
+        std::optional<WallMeeting> found = meeting(0);
         const auto rank = [](const WallMeeting& m) { return std::pair(m.runs, m.area); };
         if (found && found->runs < fewest && (!best || rank(*found) < rank(*best))) best = std::move(found);
       } while (std::prev_permutation(taken.begin(), taken.end()));
     }
+    planes_.resize(seen_);
+    if (!best) best = meeting(max_whole);
     if (!best) return {};
     FlatWalls walls{best->nodes, best->parts, best->creases, {}};
     const std::vector<Index> near = near_faces();
@@ -241,8 +245,8 @@ private:
   }
 
   /// The wall that each edge is part of: as few changes around the rim as its planes allow, each where a crease shows. Empty where none are
-  /// possible, or a wall has lost nothing.
-  std::vector<std::size_t> walls_of_edges() const {
+  /// possible, or more walls than `whole` have lost nothing.
+  std::vector<std::size_t> walls_of_edges(int whole) const {
     const std::size_t planes = planes_.size();
     const double none = std::numeric_limits<double>::infinity();
     const auto cost = [&](Index k, std::size_t p) {
@@ -282,13 +286,13 @@ private:
       }
     }
     for (Index k = 0; std::cmp_less(k, best.size()); ++k)
-      if (best[k] != best[(k + n_ - 1) % n_] && best[k] < seen_ && !has_lost_something(best, k)) return {};
-    return best;
+      if (best[k] != best[(k + n_ - 1) % n_] && best[k] < seen_) whole -= seems_whole(best, k);
+    return whole < 0 ? std::vector<std::size_t>() : best;
   }
 
-  /// Of the wall whose run begins at a place: it is next to that, and its border there is not straight between two of its corners, nor turns
-  /// around it without a corner to the other side.
-  bool has_lost_something(const std::vector<std::size_t>& wall, Index first) const {
+  /// Of the wall whose run begins at a place, 1: its border there is straight between two of its corners, or turns around it without a corner
+  /// to the other side; more if it is nowhere next to its run.
+  int seems_whole(const std::vector<std::size_t>& wall, Index first) const {
     const std::size_t own = wall[first];
     const auto turn =
         [&](Index place) {  // to the left as the border continues around the wall; none where it does not pass there
@@ -305,7 +309,8 @@ private:
       is_beside = is_beside || beside_[end % n_] == own;
     }
     const bool between_corners = turn(first) < -min_turn && turn(end) < -min_turn && turned < min_turn;
-    return is_beside && !between_corners && (turned > -min_turn || most > min_turn);
+    if (!is_beside) return max_whole + 1;
+    return between_corners || (turned < -min_turn && most < min_turn) ? 1 : 0;
   }
 
   /// Whether the crease between two walls that meet at a place of the rim can be seen there.
