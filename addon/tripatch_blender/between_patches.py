@@ -77,7 +77,7 @@ def _surface(ob, spline, matrix):
     try:
         return tripatch.NurbsSurface(world, points[..., 3], *axes), drawn
     except ValueError as reason:
-        raise UnusableError("of_object", name=ob.name, reason=getattr(reason, "said", str(reason))) from None
+        raise UnusableError("of_object", name=ob.name, reason=tripatch.errors.because(reason)) from None
 
 
 def _surface_edges(ob):

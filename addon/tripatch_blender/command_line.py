@@ -207,7 +207,7 @@ def _run(arguments):
     if not bpy.data.filepath:
         raise _UsageError("no_file_open")
     if not os.path.isdir(os.path.dirname(os.path.abspath(arguments.out))):
-        raise _UsageError("folder_missing")
+        raise _UsageError("folder_missing", path=os.path.dirname(os.path.abspath(arguments.out)))
     objects = _objects(arguments.object)
     if (hasattr(arguments, "rim") or getattr(arguments, "corners", [])) and len(objects) != 1:
         raise _UsageError("one_object_needed")
@@ -215,7 +215,7 @@ def _run(arguments):
         raise _UsageError("three_corners_named")
     for name in _given(arguments, "choose_holes"):
         if not arguments.all:
-            raise _UsageError("option_needs_all", option=f"--{name.replace('_', '-')}")
+            raise _UsageError("option_needs", option=f"--{name.replace('_', '-')}", needed="--all")
     if bpy.context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
 

@@ -334,7 +334,7 @@ def _alone(mesh, rim, corners, arguments, count, points=None):
     except tripatch.Refusal as refusal:
         return refusal
     except ValueError as reason:  # a method that meets no points, or joins no boundaries
-        return tripatch.Refusal(getattr(reason, "said", str(reason)), [v.index for v in rim.inside or rim.loop])
+        return tripatch.Refusal(tripatch.errors.because(reason), [v.index for v in rim.inside or rim.loop])
 
 
 def _is_by_side(arguments):
@@ -349,7 +349,7 @@ def _saying_what_does_not_go():
     except (UnusableError, tripatch.Refusal):
         raise
     except ValueError as reason:
-        raise OptionsError(getattr(reason, "said", str(reason))) from None
+        raise OptionsError(tripatch.errors.because(reason)) from None
 
 
 def _fill_all(*mesh, **arguments):

@@ -381,7 +381,7 @@ def _keep_hole(ob, loop, fill):
         bpy.data.meshes.remove(fill.data)  # and the object with it
         if isinstance(reason, (_LeftOut, waiting.Ends)):
             raise
-        raise UnusableError.of(getattr(reason, "said", str(reason))) from None
+        raise UnusableError.of(tripatch.errors.because(reason)) from None
     outcome.live.append(fill.name)
     return outcome
 

@@ -33,10 +33,9 @@ def _labels():
 
 def _worded(said, vertices):
     """said: a message, an error that holds one, or text."""
-    said = getattr(said, "said", said)
-    if hasattr(said, "worded"):
-        return said.worded(panel=True, vertices=vertices, names=_labels())
-    return str(said)
+    said = library.tripatch.errors.because(said) if isinstance(said, Exception) else said
+    worded = getattr(said, "worded", None)
+    return worded(panel=True, vertices=vertices, names=_labels()) if worded else str(said)
 
 
 def said(code, **parameters):

@@ -242,7 +242,7 @@ class Shaping:
             self.refusal = None
             self._keep_middle()
         except (tripatch.Refusal, ValueError) as reason:
-            self.refusal = getattr(reason, "said", str(reason))
+            self.refusal = tripatch.errors.because(reason)
         self.seconds = time.perf_counter() - begun
         return self.fill
 

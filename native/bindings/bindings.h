@@ -45,8 +45,8 @@ void interruptibly(const Work& work, const py::object& progress = py::none()) {
 
 /// A tripatch.Refusal.
 py::object refusal_object(const tripatch::Message& message, const tripatch::Messages& also);
-/// A tripatch.errors.Mistake.
-py::object mistake_object(const tripatch::Message& message);
+/// A tripatch.Message.
+py::object message_object(const tripatch::Message& message);
 /// A list of tripatch.Message.
 py::list message_objects(const tripatch::Messages& messages);
 

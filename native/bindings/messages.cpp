@@ -7,8 +7,6 @@ using namespace tripatch;
 
 namespace {
 
-py::object message_object(const Message& message);
-
 py::dict parameters_of(const Message& message) {
   py::dict out;
   for (const Parameter& each : message.parameters) {
@@ -27,11 +25,6 @@ py::dict parameters_of(const Message& message) {
   return out;
 }
 
-py::object message_object(const Message& message) {
-  return py::module_::import("tripatch.messages")
-      .attr("Message")(about(message.code).code, parameters_of(message), message.where);
-}
-
 /// A value that Python gives; what is no number and no list is text.
 Parameter::Value value_of(const py::handle& given) {
   if (py::isinstance<py::str>(given)) return given.cast<std::string>();
@@ -44,6 +37,11 @@ Parameter::Value value_of(const py::handle& given) {
 
 }  // namespace
 
+py::object message_object(const Message& message) {
+  return py::module_::import("tripatch.messages")
+      .attr("Message")(about(message.code).code, parameters_of(message), message.where);
+}
+
 py::list message_objects(const Messages& messages) {
   py::list out;
   for (const Message& each : messages) out.append(message_object(each));
@@ -53,10 +51,6 @@ py::list message_objects(const Messages& messages) {
 py::object refusal_object(const Message& message, const Messages& also) {
   const py::object refusal = py::module_::import("tripatch.errors").attr("Refusal");
   return refusal.attr("of")(message_object(message), message_objects(also));
-}
-
-py::object mistake_object(const Message& message) {
-  return py::module_::import("tripatch.errors").attr("Mistake")(message_object(message));
 }
 
 void bind_messages(py::module_& m) {

@@ -16,8 +16,7 @@ PYBIND11_MODULE(_native, m) {
       const py::object error = refusal_object(refusal.message(), refusal.also());
       PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
     } catch (const CodedArgument& mistake) {
-      const py::object error = mistake_object(mistake.message());
-      PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
+      PyErr_SetObject(PyExc_ValueError, message_object(mistake.message()).ptr());
     }
   });
   bind_messages(m);
@@ -37,7 +36,7 @@ PYBIND11_MODULE(_native, m) {
   m.def(
       "set_threads",
       [](std::optional<int> n) {
-        if (n && *n < 1) throw InvalidArgument("n must be 1 or more, or None for all cores");
+        if (n && *n < 1) throw CodedArgument(Code::out_of_range, {{"name", "n"}, {"least", 1}, {"value", *n}});
         set_threads(n.value_or(0));
       },
       py::arg("n"),

@@ -31,13 +31,17 @@ PiecewisePolynomial sampled(const py::function& f, const char* name) {
         Array parameters(static_cast<Index>(t.size()));
         std::copy(t.begin(), t.end(), parameters.mutable_data());
         const Array values = Array::ensure(f(parameters));
-        if (!values) throw py::type_error(std::string(name) + "(t) must return an array of numbers");
+        const std::string call = std::string(name) + "(t)";
+        if (!values) {
+          PyErr_SetObject(PyExc_TypeError, message_object({Code::not_numbers, {{"name", call}}}).ptr());
+          throw py::error_already_set();
+        }
         if (values.ndim() != 2 || values.shape(0) != static_cast<Index>(t.size()) || values.shape(1) != 3)
-          throw InvalidArgument(std::string(name) + "(t) must return an array of shape (k, 3) for t of shape (k,)");
+          throw CodedArgument(Code::wrong_shape, {{"name", call}, {"shape", "(" + std::to_string(t.size()) + ", 3)"}});
         std::copy_n(values.data(), values.size(), out.begin());
         for (std::size_t k = 0; k < out.size(); ++k)
           if (!std::isfinite(out[k]))
-            throw InvalidArgument(std::string(name) + "(t) is not finite at t = " + std::to_string(t[k / 3]));
+            throw CodedArgument(Code::not_finite, {{"name", std::string(name) + "(" + std::to_string(t[k / 3]) + ")"}});
       },
       3);
 }
@@ -56,7 +60,7 @@ Side side_from_functions(const py::function& c, const py::function& dc, const py
     off[k] = (mine - theirs).norm();
   }
   const auto differ = std::count_if(off.begin(), off.end(), [&](double d) { return d > same_derivative * scale; });
-  if (differ > max_kinks) throw InvalidArgument("dc is not the derivative of c");
+  if (differ > max_kinks) throw CodedArgument(Code::not_the_derivative, {{"name", "dc"}, {"function", "c"}});
   return without_poles(std::move(side));
 }
 
@@ -107,9 +111,8 @@ void bind_patches(py::module_& m) {
             if (const auto* polygon = dynamic_cast<const PolygonSurface*>(&surface))
               return polygon_energy(surface, polygon->domain(), of, polygon_size(surface, polygon->domain()));
             if (dynamic_cast<const RoundSurface*>(&surface)) return round_energy(surface, of);
-            if (dynamic_cast<const OverAnnulus*>(&surface)) throw InvalidArgument("a ring between two sides has no energy");
-            if (dynamic_cast<const PlanePatch*>(&surface))
-              throw InvalidArgument("energies are of patches between sides; a surface over the plane of a rim has none");
+            if (dynamic_cast<const OverAnnulus*>(&surface) || dynamic_cast<const PlanePatch*>(&surface))
+              throw CodedArgument(Code::no_energy, {});
             return energy(surface, of, size_of(surface));
           },
           py::call_guard<py::gil_scoped_release>())
@@ -172,7 +175,8 @@ void bind_making(py::module_& m) {
     const MethodOptions options = method_options(own);
     py::gil_scoped_release release;
     const Method& chosen = find_method(method);
-    if (!chosen.from_surfaces) throw InvalidArgument(method + " is made from three sides; use tripatch.patch");
+    if (!chosen.from_surfaces)
+      throw CodedArgument(Code::method_of_function, {{"method", method}, {"function", "tripatch.patch"}});
     const std::array<SurfacePtr, 3> constituents = {surfaces[0], surfaces[1], surfaces[2]};
     const SurfacePtr patch = chosen.from_surfaces(constituents, options);
     Report report;

@@ -26,8 +26,8 @@ std::array<std::vector<Index>, 2> triangles_of(const Eigen::Map<const Points>& v
     if (face.size() < 3) continue;
     for (Index v : face)
       if (v < 0 || v >= vertices.rows())
-        throw InvalidArgument("face " + std::to_string(f) + " names vertex " + std::to_string(v) + " of " +
-                              std::to_string(vertices.rows()) + " vertices");
+        throw CodedArgument(Code::no_such_vertex,
+                            {{"option", "faces[" + std::to_string(f) + "]"}, {"vertex", v}, {"count", vertices.rows()}});
     Points at(static_cast<Index>(face.size()), 3);
     for (std::size_t k = 0; k < face.size(); ++k) at.row(static_cast<Index>(k)) = vertices.row(face[k]);
     for (const std::array<Index, 3>& triangle : triangulate_face(at)) {
@@ -160,7 +160,7 @@ void bind_methods(py::module_& m) {
           [](const Method& method, const std::string& name) {
             for (const Option& option : options())
               if (name == option.name) return takes(method, option);
-            throw InvalidArgument("There is no option " + name);
+            throw CodedArgument(Code::no_such_option, {{"function", "fill()"}, {"name", name}});
           },
           "Whether it reads an option of `fill`, by its name; of continuity whether it does more than tangent planes.")
       .def("__repr__", [](const Method& method) { return std::string("<tripatch method ") + method.name + ">"; });

@@ -84,14 +84,13 @@ std::string text(double value) {
 }
 
 void check_number(const std::string& name, const Range& range, double value) {
-  if (!std::isfinite(value) && !std::isfinite(range.most)) throw InvalidArgument(name + " must be finite, not " + text(value));
+  if (!std::isfinite(value) && !std::isfinite(range.most)) throw CodedArgument(Code::not_finite, {{"name", name}});
   if (range.open ? range.least < value && value < range.most : range.least <= value && value <= range.most) return;
-  const std::string least = text(range.least), most = text(range.most);
-  const std::string allowed =
-      std::isfinite(range.most)
-          ? (range.open ? "lie between " + least + " and " + most + ", ends excluded" : "be from " + least + " to " + most)
-          : (range.open ? "be greater than " + least : "be " + least + " or greater");
-  throw InvalidArgument(name + " must " + allowed + ", not " + text(value));
+  const bool ends = std::isfinite(range.most);
+  std::vector<Parameter> said = {{"name", name}, {"value", text(value)}};
+  said.emplace_back(range.open ? (ends ? "after" : "above") : ends ? "from" : "least", text(range.least));
+  if (ends) said.emplace_back(range.open ? "before" : "to", text(range.most));
+  throw CodedArgument(Code::out_of_range, std::move(said));
 }
 
 void check_value(const Option& option, double value) { check_number(option.name, option.range, value); }
@@ -111,7 +110,7 @@ void check_value(const Option& option, const std::vector<Through>& values) {
   for (const Through& each : values) {
     check_value(option, each.point);
     if (each.normal) check_value(option, *each.normal);
-    if (each.normal && !(each.normal->norm() > 0)) throw InvalidArgument(option.name + std::string(" has a normal of no length"));
+    if (each.normal && !(each.normal->norm() > 0)) throw CodedArgument(Code::zero_vector, {{"name", option.name}});
   }
 }
 void check_value(const Option&, const auto&) {}  // whatever the type holds is right
@@ -200,6 +199,15 @@ bool is_told(const Method& method, const std::string& name) {
 }
 
 }  // namespace
+
+void refuse_count(const char* name, std::size_t given, std::size_t sides) {
+  throw CodedArgument(Code::values_by_side, {{"name", name}, {"given", given}, {"sides", sides}});
+}
+
+void refuse_name(const char* option, std::string_view name, std::vector<std::string> names) {
+  throw CodedArgument(Code::not_one_of,
+                      {{"name", option}, {"values", std::move(names)}, {"value", "'" + std::string(name) + "'"}});
+}
 
 void check_taken(const FillOptions& given) {
   if (given.method == automatic_method) return;
@@ -294,8 +302,7 @@ void check(const FillOptions& given) {
 }
 
 void check(const MethodOptions& given) {
-  if (given.shape && !given.shape->fit(3))
-    throw InvalidArgument("shape must be one value or three, not " + std::to_string(given.shape->values().size()));
+  if (given.shape && !given.shape->fit(3)) refuse_count("shape", given.shape->values().size(), 3);
 #define METHOD_OPTION(type, name, value, ...) check_value(option_named(#name), given.name);
 #include "tripatch/options.def"
 }

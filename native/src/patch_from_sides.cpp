@@ -106,9 +106,8 @@ MadePatch patch_from_sides(const Sides& given, const FillOptions& options, const
   const Method& method =
       find_method(options.method == automatic_method || options.method == polygon_method ? patch_method : options.method);
   if (!method.from_boundary)
-    throw InvalidArgument(options.method + (method.sides[1] == 0
-                                                ? " fills holes in meshes; a patch between sides is of another method"
-                                                : " joins three surfaces; use tripatch.blend"));
+    throw CodedArgument(Code::method_of_function,
+                        {{"method", options.method}, {"function", method.sides[1] == 0 ? "tripatch.fill" : "tripatch.blend"}});
   const Continuity continuity = resolve_continuity(options.continuity, method, given);
   const bool keeps_tangent = method.continuity != SeamContinuity::g0;
   Sides sides = told_by_rim(given, continuity.tangent);

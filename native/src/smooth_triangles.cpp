@@ -27,10 +27,10 @@ std::vector<Triangle> checked_triangles(const Mesh& mesh) {
   std::vector<Triangle> triangles(mesh.faces.size());
   for (Index f = 0; f < mesh.faces.size(); ++f) {
     const std::span<const Index> face = mesh.faces[f];
-    const std::string name = "Face " + std::to_string(f);
     for (Index v : face)
       if (v < 0 || v >= mesh.vertices.rows())
-        throw InvalidArgument(name + " names vertex " + std::to_string(v) + ", of " + std::to_string(mesh.vertices.rows()));
+        throw CodedArgument(Code::no_such_vertex,
+                            {{"option", "faces[" + std::to_string(f) + "]"}, {"vertex", v}, {"count", mesh.vertices.rows()}});
     if (face.size() != 3)
       throw CodedRefusal(Code::face_is_no_triangle, {{"face", f}, {"corners", face.size()}}, {face.begin(), face.end()});
     std::copy(face.begin(), face.end(), triangles[f].begin());
@@ -249,7 +249,8 @@ Lattice begun(const Mesh& mesh, const std::vector<Triangle>& triangles, int reso
 
 void check_resolution(int resolution) {
   if (resolution < 1 || resolution > max_smooth_resolution)
-    throw InvalidArgument("resolution must be from 1 to " + std::to_string(max_smooth_resolution));
+    throw CodedArgument(Code::out_of_range,
+                        {{"name", "resolution"}, {"from", 1}, {"to", max_smooth_resolution}, {"value", resolution}});
 }
 
 /// The faces between curves over all edges.

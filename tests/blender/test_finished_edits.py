@@ -1,6 +1,5 @@
-"""After every operator of the add-on a mesh in edit mode is as Blender's own Grid Fill leaves it: without a change of mode the
-normals are those of its faces, what goes with the selected elements is selected, elements are numbered, and what is drawn is all
-of it."""
+"""After every operator of the add-on a mesh in edit mode is as Blender's own Grid Fill leaves it, without a change of mode. The
+normals are those of its faces, selections are complete, elements are numbered, and all of the mesh is drawn."""
 
 import math
 import sys

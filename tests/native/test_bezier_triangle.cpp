@@ -102,5 +102,5 @@ TEST_CASE("nets of a wrong size and points that are not finite are named") {
   CHECK_THROWS_AS(BezierTriangle(Points(Points::Zero(BezierTriangle::net_size(41), 3))), InvalidArgument);
   Points net = random_net(3, 1);
   net(6, 1) = std::nan("");
-  CHECK_THROWS_WITH(BezierTriangle(net), "Control point 6 is not finite");
+  CHECK_THROWS_WITH(BezierTriangle(net), "net[6] is not finite");
 }

@@ -108,7 +108,7 @@ TEST_CASE("what names vertices that are not there is a mistake of the caller, ne
   options.corners = {0, 1, 2, 7};
   for (const char* method : {"side_vertex", "auto", "gregory"}) {
     options.method = method;
-    CHECK_THROWS_WITH(fill(mesh, options), "Corner vertex 7 does not exist: the mesh has 5 vertices");
+    CHECK_THROWS_WITH(fill(mesh, options), "corners names vertex 7; the mesh has 5 vertices");
     CHECK_THROWS_AS(fill_all(mesh, {*options.rim}, {}, {options.corners}), InvalidArgument);
   }
   options.corners.reset();

@@ -34,7 +34,7 @@ TEST_CASE("nielson_blend names the corner where surfaces do not meet") {
   std::array<Vec3, 3> corners = plain_corners;
   corners[1][2] += 0.1;
   surfaces[0] = bezier(random_net(3, 1, 0.1, corners));
-  CHECK_THROWS_WITH(nielson_blend(surfaces), Catch::Contains("surfaces 2 and 0 do not meet at corner 1"));
+  CHECK_THROWS_WITH(nielson_blend(surfaces), Catch::Contains("r2 and r0 do not meet at corner 1"));
 }
 
 TEST_CASE("nielson_blend of a surface with itself is that surface, with its derivatives at the corners too") {

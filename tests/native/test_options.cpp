@@ -54,19 +54,19 @@ TEST_CASE("the defaults are in their ranges") { CHECK(refused({}).empty()); }
 TEST_CASE("numbers out of their ranges are refused by the name of their option") {
   FillOptions given;
   given.tension = -1;
-  CHECK(refused(given) == "tension must be 0 or greater, not -1");
+  CHECK(refused(given) == "tension must be 0 or more, not -1");
   given = {};
   given.bulge = {1, 0, 1};
   CHECK(refused(given) == "bulge[1] must be greater than 0, not 0");
   given = {};
   given.own.shape = {0.5, 0.5, 1.0};
-  CHECK(refused(given) == "shape[2] must lie between 0 and 1, ends excluded, not 1");
+  CHECK(refused(given) == "shape[2] must be between 0 and 1, ends excluded, not 1");
   given = {};
   given.tolerance = 0;
   CHECK(refused(given) == "tolerance must be greater than 0, not 0");
   given = {};
   given.center = Vec3(0, NAN, 0);
-  CHECK(refused(given) == "center[1] must be finite, not nan");
+  CHECK(refused(given) == "center[1] is not finite");
   given = {};
   given.own.shape.reset();
   CHECK(refused(given).empty());

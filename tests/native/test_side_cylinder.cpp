@@ -85,8 +85,8 @@ TEST_CASE("a side that is known is left as it is") {
 
 namespace {
 
-/// Rows of squares around an axis, as long as they are wide, with their profile on a circle from so many edges outside the side on: tangent to
-/// the straight line before it, or, from half an edge on, around a row whose two circles are as large.
+/// Rows of squares around an axis, as long as they are wide, with their profile on a circle from so many edges outside the side
+/// on. The profile is tangent to the straight line before it, or, from half an edge on, to a row whose two circles are as large.
 Bent behind(double straight, double profile) {
   Bent bent(6, 0, 1);
   const double step = 2 * std::asin(0.5 / profile);

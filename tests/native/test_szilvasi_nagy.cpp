@@ -320,7 +320,7 @@ TEST_CASE("szilvasi_nagy names what is wrong with its input") {
   std::array<Vec3, 3> corners = plain_corners;
   corners[0][0] += 0.1;
   apart[1] = bezier(random_net(2, 1, 0.1, corners));
-  CHECK_THROWS_WITH(blend(apart, 1), Catch::Contains("surfaces 1 and 2 do not meet at corner 0"));
+  CHECK_THROWS_WITH(blend(apart, 1), Catch::Contains("r1 and r2 do not meet at corner 0"));
   double out;
   CHECK_THROWS_AS(blend(surfaces, 1)->evaluate(Vec3(0.3, 0.3, 0.4).data(), 1, 5, &out), InvalidArgument);
 }

@@ -214,7 +214,7 @@ def test_of_many_points_the_first_outside_is_named():
     patch = tripatch.fill(vertices, faces, rim=rim).patch
     b = np.full((100_000, 3), 1 / 3)
     b[[70_000, 90_000]] = 1.2, -0.1, -0.1
-    with pytest.raises(ValueError, match=r"b\[70000\] is no point of the triangle"):
+    with pytest.raises(ValueError, match=r"b\[70000\] is outside the triangle"):
         patch.evaluate(b)
     b[80_000, 2] = np.inf
     with pytest.raises(ValueError, match=r"b\[80000\] is not finite"):

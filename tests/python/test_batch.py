@@ -198,8 +198,8 @@ def test_filters_and_reasons_of_a_dry_run(tmp_path, capsys):
     assert code == 0
     assert not (tmp_path / "out").exists()
     told = out.splitlines()
-    assert "two.obj: hole through vertex 0, 9 edges, 1.73 wide: would be filled" in told
-    assert any("15 edges" in line and line.endswith("--max-edges 10 leaves it out") for line in told)
+    assert "two.obj: Hole through vertex 0, 9 edges, 1.73 wide: Would be filled" in told
+    assert any("15 edges" in line and line.endswith("Left out by --max-edges 10") for line in told)
     assert any("9 edges" in line and "An outer border of an open mesh" in line for line in told)
     assert "1 hole in 1 file would be filled" in told
     assert run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--dry-run", "--max-edges", 3)[0] == 1
@@ -222,7 +222,7 @@ def test_bad_files_among_good_ones_by_a_scheduler(tmp_path, capsys, cluster):
     assert "tripatch: 100 of 100 files, 95 holes filled, 4 failed" in err
     made = heads(tmp_path / "out")
     assert made["broken.ply"]["status"] == made["gone.obj"]["status"] == made["empty.stl"]["status"] == "unreadable"
-    assert "header is missing or has no end" in made["broken.ply"]["reason"]
+    assert "The PLY file is damaged" in made["broken.ply"]["reason"]
     assert made["empty.obj"]["status"] == "nothing"
     assert made["m001.obj"]["status"] == "not written"
     assert made["m000.obj"]["status"] == "filled"
@@ -327,8 +327,8 @@ def test_a_crash_and_limits_cost_that_file_only(tmp_path, capsys, monkeypatch):
     assert code == 3
     assert "3 files failed (1 crashed, 1 memory limit, 1 time limit)" in out
     made = heads(tmp_path / "out")
-    assert made["a-crash.obj"]["reason"] == "The process that filled it was ended by SIGSEGV"
-    assert made["b-sleep.obj"]["reason"] == "It took longer than the 6 s that a file may take"
+    assert made["a-crash.obj"]["reason"] == "TriPatch ended by signal SIGSEGV"
+    assert made["b-sleep.obj"]["reason"] == "It took more than 6 s"
     assert made["c-huge.obj"]["reason"] == "The memory of the 800 MB that a file may use was not enough"
     assert made["d-once.obj"]["status"] == made["m004.obj"]["status"] == "filled"  # tried again
     again = run(capsys, source, "--out", tmp_path / "out", *options)[2]
@@ -342,7 +342,7 @@ def test_the_end_of_a_process_is_told_where_there_are_no_signals(tmp_path, capsy
     monkeypatch.delattr(signal, "SIGKILL")  # as on Windows
     monkeypatch.setattr(keeper, "_kill_group", lambda process: None)
     assert run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--worst", 0, "--retries", 0)[0] == 1
-    assert heads(tmp_path / "out")["once.obj"]["reason"] == "The process that filled it ended with code 7"
+    assert heads(tmp_path / "out")["once.obj"]["reason"] == "TriPatch ended with code 7"
 
 
 @pytest.mark.skipif(os.name != "posix", reason="the limit is set by the system's own call")
@@ -566,26 +566,26 @@ def test_only_a_scheduler_needs_dask(tmp_path, capsys, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
-        ([], "name inputs"),
+        ([], "Name files or folders"),
         (["nothing"], "nothing does not exist"),
-        (["in", "--files", "list"], "name inputs, or a list"),
+        (["in", "--files", "list"], "INPUT and --files cannot be used together"),
         (["in", "--range", "1-2"], "--files"),
         (["in", "--workers", "2", "--scheduler", "tcp://127.0.0.1:1"], "--workers"),
         (["in", "--bulge", "-1"], "bulge"),
         (["in", "--root", "elsewhere"], "--root"),
         (["--files", "list", "--range", "5-3"], "5-3"),
-        (["--files", "list", "--range", "2-3"], "list has 1 file"),
-        (["--files", "no-text"], "no-text is no text file"),
-        (["in", "--max-edges", "2"], "max_edges must be 3 or greater"),
-        (["in", "--max-diameter", "nan"], "max_diameter must be finite, not nan"),
-        (["in", "--max-diameter", "inf", "--dry-run"], "max_diameter must be finite, not inf"),
-        (["in", "--tolerance", "1e400", "--emit", "slurm"], "tolerance must be finite, not inf"),
-        (["in", "--shape", "0.5,nan,0.5"], "shape[1] must lie between 0 and 1"),
-        (["in", "--alpha=-inf"], "alpha must be finite, not -inf"),
-        (["in", "--memory-limit", "199"], "200 or more are needed, not 199"),
-        (["in", "--memory-limit", "9" * 14], "at most are possible, not 99999999999999"),
+        (["--files", "list", "--range", "2-3"], "--range must be from 1 to 1, not 2"),
+        (["--files", "no-text"], "no-text is not a text file"),
+        (["in", "--max-edges", "2"], "max_edges must be 3 or more, not 2"),
+        (["in", "--max-diameter", "nan"], "max_diameter is not finite"),
+        (["in", "--max-diameter", "inf", "--dry-run"], "max_diameter is not finite"),
+        (["in", "--tolerance", "1e400", "--emit", "slurm"], "tolerance is not finite"),
+        (["in", "--shape", "0.5,nan,0.5"], "shape[1] must be between 0 and 1"),
+        (["in", "--alpha=-inf"], "alpha is not finite"),
+        (["in", "--memory-limit", "199"], ", not 199"),
+        (["in", "--memory-limit", "9" * 14], ", not 99999999999999"),
         (["in", "--time-limit", "soon"], "invalid number of seconds value: 'soon'"),
-        (["in", "--time-limit", "inf"], "longer than nothing, and less than"),
+        (["in", "--time-limit", "inf"], "SECONDS is not finite"),
     ],
 )
 def test_bad_usage(tmp_path, capsys, monkeypatch, arguments, word):
@@ -612,7 +612,7 @@ def test_inputs_are_never_written_over(tmp_path, capsys):
     for out in ("in", "folder", "link", "hard"):
         for given in (source, source / "m001.obj"):
             code, _, err = run(capsys, given, "--out", tmp_path / out, "--workers", 0)
-            assert (code, "would be written over" in err) == (2, True), out
+            assert (code, "would be overwritten" in err) == (2, True), out
     assert run(capsys, source, "--root", tmp_path, "--out", tmp_path / "sub", "--workers", 0)[0] == 2
     assert {path.name: path.read_bytes() for path in source.iterdir()} == before
 
@@ -628,8 +628,8 @@ def test_no_file_at_all_is_said(tmp_path, capsys):
     (tmp_path / "in").mkdir()
     code, out, err = run(capsys, tmp_path / "in", "--out", tmp_path / "out")
     assert (code, out) == (1, "")
-    searched = ".obj, .ply, .stl, .off, .glb, .gltf, .3mf, .usd, .usda, .usdc and .blend"
-    assert f"There is no file to fill; folders are searched for {searched}" in err
+    searched = ".obj, .ply, .stl, .off, .glb, .gltf, .3mf, .usd, .usda, .usdc, .blend"
+    assert f"There is no file to fill. Folders are searched for {searched}" in err
     assert not (tmp_path / "out").exists()
 
 
@@ -641,7 +641,7 @@ def test_where_nothing_can_be_written_is_said_before_the_first_file(tmp_path, ca
     monkeypatch.setattr(command.local, "run", lambda *_: pytest.fail("a file was done"))
     code, _, err = run(capsys, spheres(tmp_path / "in", 1), "--out", tmp_path / "out", "--workers", 0)
     assert code == 2
-    assert f"Nothing can be written to {tmp_path / 'out'}: No space left on device" in err
+    assert f"{tmp_path / 'out'} cannot be written: No space left on device" in err
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes that have names")
@@ -663,7 +663,7 @@ def test_names_that_are_no_text(tmp_path, capsys):
         assert before in err
     assert list(heads(tmp_path / "out")) == [os.fsdecode(b"m\xff.obj")]  # the lines are UTF-8 all the same
     out = run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--dry-run")[1]
-    assert "m\\udcff.obj: hole through vertex" in out
+    assert "m\\udcff.obj: Hole through vertex" in out
 
 
 def test_a_list_has_names_with_whatever_is_no_line_break(tmp_path, capsys):
@@ -745,7 +745,7 @@ def test_the_sheet_shows_the_worst_first(tmp_path, capsys):
 def test_what_fails_in_the_process_is_told_as_what_it_is(tmp_path):
     settings = Settings(str(tmp_path), str(tmp_path), {}, tripatch.__version__, "crop")
     with keeper.Keeper(settings) as one:
-        with pytest.raises(keeper._Ended, match=r"TriPatch failed on it \(ValueError") as caught:
+        with pytest.raises(keeper._Ended, match="TriPatch failed on this file: ValueError") as caught:
             one.call("math", "sqrt", -1)
         assert caught.value.status == record.CRASHED
         assert one.call("math", "sqrt", 4) == 2  # it continues

@@ -148,11 +148,11 @@ def test_join_puts_vertices_into_the_edges_that_they_lie_on(noise, kind):
 
 @pytest.mark.parametrize("distance", [-1.0, np.nan, np.inf])
 def test_join_is_a_distance(distance, tmp_path, capsys):
-    with pytest.raises(ValueError, match="join must be a distance"):
+    with pytest.raises(ValueError, match="join (must be 0 or more|is not finite)"):
         tripatch.fill_all(*tube(0, 1), join=distance)
     path = write_obj(tmp_path / "in.obj", tube(0, 1))
     code, _, err = run(capsys, "fill", path, tmp_path / "out.obj", "--all", f"--join={distance}")
-    assert code == 2 and "join must be a distance" in err
+    assert code == 2 and re.search("join (must be 0 or more|is not finite)", err)
 
 
 def test_join_moves_no_vertex_that_is_in_place():

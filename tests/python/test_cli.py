@@ -256,22 +256,22 @@ def test_a_fill_that_folds_is_no_success(one, tmp_path, capsys):
     ("args", "said"),
     [
         (["--method", "none_such"], "method must be one of"),
-        (["--resolution", "0"], "resolution must be from 1"),
+        (["--resolution", "0"], "resolution must be 1 or more, not 0"),
         (["--resolution", "x"], "invalid int value"),
-        (["--bulge", ",".join("1" * 13)], "one value or one a side"),
+        (["--bulge", ",".join("1" * 13)], "for example, 1,0.5,1"),
         (["--bulge", "-1"], "bulge"),
-        (["--shape", "a"], "neither one value nor one a side"),
-        (["--corners", "1"], "two vertices of the rim or more"),
-        (["--corners", "0,6,6"], "three different vertices"),
-        (["--rim", "0,1,two"], "no list of vertex indices"),
+        (["--shape", "a"], "'a' cannot be read"),
+        (["--corners", "1"], "One corner is too few"),
+        (["--corners", "0,6,6"], "corners names vertex 6 twice"),
+        (["--rim", "0,1,two"], "'0,1,two' cannot be read"),
         (["--rim", "0,1,5000"], "5000"),
-        (["--all", "--corners", "0,6,12"], "--all chooses"),
-        (["--outer"], "--outer goes with --all"),
-        (["--max-edges", "9"], "--max-edges goes with --all"),
-        (["--all", "--max-edges", "2"], "max_edges must be 3 or greater"),
+        (["--all", "--corners", "0,6,12"], "--all and --corners cannot be used together"),
+        (["--outer"], "--outer needs --all"),
+        (["--max-edges", "9"], "--max-edges needs --all"),
+        (["--all", "--max-edges", "2"], "max_edges must be 3 or more, not 2"),
         (["--all", "--corner-count", "6,2"], "corner_count must be the smallest and the largest"),
-        (["--frobnicate"], "unrecognized arguments"),
-        (["--report", "/none/such/r.json"], "cannot be written"),
+        (["--frobnicate"], "Unknown arguments: --frobnicate"),
+        (["--report", "/none/such/r.json"], "folder /none/such does not exist"),
     ],
 )
 def test_bad_usage(args, said, one, tmp_path, capsys):
@@ -288,7 +288,7 @@ def test_unreadable_input(tmp_path, capsys):
     (tmp_path / "bad.obj").write_text("v 1 2\n")
     code, _, err = run(capsys, "fill", tmp_path / "bad.obj", tmp_path / "out.obj")
     assert code == 2
-    assert "Line 1 cannot be understood" in err
+    assert "Line 1 of the file cannot be read" in err
     assert run(capsys)[0] == 2
     assert run(capsys, "none_such")[0] == 2
 
@@ -321,7 +321,7 @@ def test_deviation_goes_into_ply_files_only(one, suffix, tmp_path, capsys, monke
     monkeypatch.setattr(tripatch, "fill", lambda *_, **__: pytest.fail("something was computed"))
     out = tmp_path / f"out{suffix}"
     code, _, err = run(capsys, "fill", one, out, "--deviation")
-    assert code == 2 and "Only PLY files hold the deviation" in err and not out.exists()
+    assert code == 2 and "--deviation needs OUT.ply" in err and not out.exists()
 
 
 def test_every_option_of_fill_is_there():

@@ -169,7 +169,7 @@ def test_bytes_behind_the_last_stl_triangle_stay(tmp_path):
 def test_an_stl_file_that_ends_early_is_refused_with_what_was_found(tmp_path):
     path = binary_stl(tmp_path / "in.stl", {"left": 0, "right": 0})
     path.write_bytes(path.read_bytes()[:-70])
-    with pytest.raises(files.FileError, match="announces 96 triangles and holds 94"):
+    with pytest.raises(files.FileError, match="announces 96 entries and has 94"):
         files.read(path)
 
 

@@ -171,13 +171,13 @@ def test_two_corners_at_one_place_are_a_mistake():
     new = next(v for v in rim if stands[v] != v)
     others = [v for v in rim if stands[v] not in (new, stands[new])]
     for corners in ([stands[new], new], [new, others[0], stands[new]], [stands[new], others[0], others[5], new]):
-        said = "Corners {} and {} are at one place of the rim; give one of them".format(*[v for v in corners if v not in others])
+        said = "Corners {} and {} are at the same place. Name one of them".format(*[v for v in corners if v not in others])
         for method in ("auto", "polyharmonic_spline"):
             with pytest.raises(ValueError, match=said):
                 tripatch.fill(more, doubles, rim=rim, corners=corners, method=method)
             with pytest.raises(ValueError, match=said):
                 tripatch.fill_all(more, doubles, [rim], corners=[corners], method=method)
-    with pytest.raises(ValueError, match="given twice"):
+    with pytest.raises(ValueError, match="names vertex .* twice"):
         tripatch.fill(more, doubles, rim=rim, corners=[new, new, others[0], others[3]])
     fill = tripatch.fill(more, doubles, rim=rim, corners=[new, others[4]])
     assert len(fill.report.corners) == 2

@@ -63,7 +63,7 @@ def test_a_byte_order_mark_costs_nothing(suffix, tmp_path):
 def test_text_of_two_bytes_a_letter_is_refused(suffix, tmp_path):
     path = tmp_path / f"in.{suffix}"
     path.write_bytes(obj().decode().encode("utf-16"))
-    with pytest.raises(FileError, match="UTF-16|must start with OFF|no PLY file|no STL file"):
+    with pytest.raises(FileError, match="UTF-16|The (OFF|PLY|STL) file (is damaged|ends early)"):
         files.read(path)
 
 
@@ -122,7 +122,7 @@ def test_a_vertex_that_the_header_does_not_describe_is_named(red, tmp_path, caps
     path, out = tmp_path / "a.ply", tmp_path / "out.ply"
     path.write_bytes(octahedron_ply(red=red))
     assert main(["fill", str(path), str(out), "--method", "side_vertex", "--resolution", "3"]) == 2
-    assert "vertex elements is not what the PLY header says" in capsys.readouterr().err
+    assert "of the vertex elements cannot be read" in capsys.readouterr().err
     assert not out.exists()
 
 

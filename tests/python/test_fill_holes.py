@@ -73,7 +73,7 @@ def test_merge_numbers_several_fills_one_after_another_and_skips_refusals():
     assert not inner_loops(triangles)
     _, one = tripatch.merge(*both, [tripatch.Refusal("no"), results[0]])
     assert len(inner_loops(one)) == 1
-    with pytest.raises(TypeError, match="Fill objects"):
+    with pytest.raises(TypeError, match=r"Sequence\[Fill\]"):
         tripatch.merge(*both, [vertices])
 
 
@@ -249,7 +249,7 @@ def test_write_takes_pairs_and_meshes_and_says_what_it_needs(tmp_path, trimesh):
         tripatch.write(tmp_path / "a.ply", mesh)
         assert np.array_equal(tripatch.read(str(tmp_path / "a.ply")).vertices, vertices)
     vertices[0] = 1  # what was written is not held on to
-    with pytest.raises(TypeError, match="needs a mesh"):
+    with pytest.raises(TypeError, match="needs vertices and faces"):
         tripatch.write(tmp_path / "a.ply", vertices)
     with pytest.raises(tripatch.FileError, match="cannot be read"):
         tripatch.read(tmp_path / "none.obj")

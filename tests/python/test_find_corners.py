@@ -46,7 +46,7 @@ def test_the_outer_border_turns_the_other_way():
     inner, outer = tripatch.find_holes(faces)
     assert not tripatch.is_outer_border(vertices, faces, inner)
     assert tripatch.is_outer_border(vertices, faces, outer)
-    with pytest.raises(ValueError, match="no vertex 99"):
+    with pytest.raises(ValueError, match="rim names vertex 99"):
         tripatch.is_outer_border(vertices, faces, [0, 1, 99])
 
 

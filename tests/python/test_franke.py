@@ -75,5 +75,5 @@ def test_rim_parameters_are_checked():
     parts = [lambda t, k=k: side.evaluate(t)[k] for k in range(3)]
     assert isinstance(tripatch.Side.from_functions(*parts), tripatch.Side)
     for rim in ([0], [0, 0.5], [0, 0.6, 0.5, 1], [[0, 1]], [0, np.nan, 1]):
-        with pytest.raises(ValueError, match="rim must be numbers that rise from 0 to 1"):
+        with pytest.raises(ValueError, match="rim must increase from 0 to 1"):
             tripatch.Side.from_functions(*parts, rim=rim)

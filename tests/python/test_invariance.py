@@ -91,10 +91,7 @@ def test_planes_at_corners_and_choices_among_triangles_do_not_hang_on_rounding(s
     assert max(found.values()) < 1e-7, found
 
 
-#: Thin triangles, of meshes a thousand times as long as wide and others: what bends least, layouts and references of strips;
-#: creases of three vertices; edges that continue as straight as others; rows that are exact next to a fill that is; layouts that
-#: deform all, or whose way is long; fields of strips; flips next to triangles without area; rows next to plain triangles;
-#: triangles as flat, and squares whose diagonals are as good, but for rounding of the whole hole; patches that tell nothing.
+#: Meshes with thin triangles, a thousand times as long as wide, and with choices between what is equal but for rounding.
 THIN = [124, 546, 872, 1193, 1213, 1324, 1374, 1794, 2270, 18, 89, 260, 782, 5228, 10322, 219, 111, 5316]
 
 

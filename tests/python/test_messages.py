@@ -1,5 +1,6 @@
 """What users read has a code, and its sentence is made of one pattern."""
 
+import argparse
 import ast
 import copy
 import json
@@ -13,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tripatch
-from tripatch import messages, words
+from tripatch import arguments, messages, words
 
 ROOT = Path(__file__).resolve().parents[2]
 OCTAHEDRON = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]], float)
@@ -204,6 +205,73 @@ def test_nothing_in_a_summary_is_glued_on(in_pseudo_language):
         assert not re.search("[A-Za-z]", OF_FORMAT.sub("", said)), said
 
 
+#: Arguments that do not fit, of Python and of the core; files that do not.
+MISTAKES = [
+    lambda: tripatch.fill(OCTAHEDRON, FACES, resolution=0),
+    lambda: tripatch.fill(OCTAHEDRON, FACES, resolution="many"),
+    lambda: tripatch.fill(OCTAHEDRON, FACES, output="quad"),
+    lambda: tripatch.fill(OCTAHEDRON, FACES, outputs="quads"),
+    lambda: tripatch.fill(OCTAHEDRON, FACES, bulge=(1, np.nan, 1)),
+    lambda: tripatch.fill(OCTAHEDRON, FACES, method="side_vertex", bulge=(1, 2)),
+    lambda: tripatch.fill(OCTAHEDRON, FACES, pole_offset=(1, 2, 3)),
+    lambda: tripatch.fill(OCTAHEDRON, FACES, through=7),
+    lambda: tripatch.fill(OCTAHEDRON, FACES, corners=[3]),
+    lambda: tripatch.fill(OCTAHEDRON, FACES, corners=[0, 2, 0]),
+    lambda: tripatch.fill(OCTAHEDRON, FACES, corners=[0, 2, 99]),
+    lambda: tripatch.fill(OCTAHEDRON, FACES, replaced=[99]),
+    lambda: tripatch.fill(OCTAHEDRON, FACES, fairing=None, tension=1),
+    lambda: tripatch.fill(OCTAHEDRON, FACES, method="side_vertex", center=(0, 0, 0), center_offset=1),
+    lambda: tripatch.fill(OCTAHEDRON, FACES, cap="flat", method="quintic"),
+    lambda: tripatch.blend(*[tripatch.BezierTriangle(np.eye(3))] * 3, method="quintic"),
+    lambda: tripatch.fill(OCTAHEDRON, [[0, 1]]),
+    lambda: tripatch.fill(OCTAHEDRON, [[0, 1, 9]]),
+    lambda: tripatch.fill(OCTAHEDRON[:, :2], FACES),
+    lambda: tripatch.fill("mesh", FACES),
+    lambda: tripatch.fill_holes(7),
+    lambda: tripatch.read("no such file"),
+    lambda: tripatch.read("no such file.obj"),
+    lambda: tripatch.set_threads(0),
+    lambda: tripatch.BezierTriangle(np.zeros((4, 3))),
+    lambda: tripatch.BezierTriangle(np.full((3, 3), np.inf)),
+    lambda: tripatch.BezierRectangle(np.zeros((1, 2, 3))),
+    lambda: tripatch.Side(tripatch.BezierTriangle(np.eye(3)), 3),
+    lambda: tripatch.coons_bezier([np.zeros((2, 3)), np.zeros((3, 3)), np.zeros((2, 3))]),
+    lambda: tripatch.coons_bezier([np.zeros((2, 3)), np.ones((2, 3)), np.zeros((2, 3))]),
+    lambda: tripatch.coons_bezier([np.zeros((2, 3))] * 3, alpha=1.0),
+    lambda: tripatch.NurbsSurface(np.zeros((2, 2, 3)), None, [0, 1], [0, 0, 1, 1]),
+    lambda: tripatch.NurbsSurface(np.zeros((2, 2, 3)), None, [0, 1, 0, 1], [0, 0, 1, 1]),
+    lambda: tripatch.patch([1, 2, 3]),
+    lambda: tripatch.blend(1, 2, 3),
+    lambda: arguments.indices("1,two"),
+]
+
+
+def test_nothing_in_a_mistake_is_glued_on(in_pseudo_language):
+    seen = set()
+    for call in MISTAKES:
+        with pytest.raises((ValueError, TypeError, argparse.ArgumentTypeError)) as caught:
+            call()
+        (message,) = caught.value.args
+        seen |= message.codes
+        for said in (str(message), message.worded(panel=True)):
+            for name in sorted(names_in(message), key=len, reverse=True):
+                said = said.replace(name, "")
+            assert not re.search("[A-Za-z]", OF_FORMAT.sub("", said)), said
+    assert len(seen) > 25
+
+
+def test_every_sentence_of_an_error_is_in_the_table():
+    """What Python raises has a message, or is made by what makes one; texts are for programmers only."""
+    of_programs = {"AttributeError", "NotImplementedError", "IndexError", "EOFError", "Stopped"}
+    for file in (ROOT / "native" / "python" / "tripatch").rglob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            raised = node.exc if isinstance(node, ast.Raise) else None
+            name = getattr(raised.func, "attr", getattr(raised.func, "id", "")) if isinstance(raised, ast.Call) else ""
+            if name.lstrip("_")[:1].isupper() and name not in of_programs:
+                texts = [ast.unparse(each) for each in raised.args if isinstance(each, ast.JoinedStr | ast.Constant)]
+                assert not [each for each in texts if " " in each], f"{file.name}:{node.lineno}: {texts}"
+
+
 def test_the_add_on_glues_no_sentence_together():
     """A text that is made of parts, or handed on, has no two words in its code: sentences are in the table."""
     two_words = re.compile(r"[A-Za-z]{2,} [a-z]{2,}|\b[a-z]{2,} \Z|\A [a-z]{2,}\b")
@@ -215,16 +283,23 @@ def test_the_add_on_glues_no_sentence_together():
                 assert " " not in text or not two_words.search(text), f"{file.name}:{part.lineno}: {text}"
 
 
-def test_codes_that_the_add_on_names_are_in_the_table():
+def codes_in(node):
+    """The codes that an expression may be."""
+    if isinstance(node, ast.IfExp):
+        return codes_in(node.body) | codes_in(node.orelse)
+    return {node.value} if isinstance(node, ast.Constant) and isinstance(node.value, str) else set()
+
+
+def test_codes_that_python_names_are_in_the_table():
     makers = {"Message", "UnusableError", "_LeftOut", "_UsageError", "said"}
     named = set()
-    for file in (ROOT / "addon" / "tripatch_blender").glob("*.py"):
+    folders = (ROOT / "addon" / "tripatch_blender", ROOT / "native" / "python" / "tripatch")
+    for file in (file for folder in folders for file in folder.rglob("*.py")):
         for node in ast.walk(ast.parse(file.read_text())):
             if isinstance(node, ast.Call) and getattr(node.func, "attr", getattr(node.func, "id", "")) in makers and node.args:
-                named |= {each.value for each in ast.walk(node.args[0]) if isinstance(each, ast.Constant)}
-    named.discard("inactive_")
+                named |= codes_in(node.args[0])
     assert named - set(messages.TABLE) == set()
-    assert len(named) > 80
+    assert len(named) > 180
 
 
 def test_the_sentences_for_a_missing_library_are_those_of_the_table():

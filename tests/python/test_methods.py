@@ -1,7 +1,6 @@
 """The options of single methods: from Python and from the command line each reaches the method that has it, and no other."""
 
 import json
-import re
 import warnings
 
 import numpy as np
@@ -121,7 +120,7 @@ def test_options_of_wrong_types(options):
 
 
 def test_alpha_must_be_finite():
-    with pytest.raises(ValueError, match="alpha must be finite, not nan"):
+    with pytest.raises(ValueError, match="alpha is not finite"):
         filled(method="coons_bezier", alpha=np.nan)
 
 
@@ -177,7 +176,7 @@ def test_every_degree_gives_a_finite_net_or_a_sentence_that_names_it(kind, degre
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", f"The extremal of degree {degree} solves an ill-conditioned system")
         if degree > 20:
-            with pytest.raises(ValueError, match=f"at most 20, not {degree}"):
+            with pytest.raises(ValueError, match=f"degree must be from 0 to 20, not {degree}"):
                 tripatch.coons_bezier([net.side(i) for i in range(3)], kind)
             return
         try:
@@ -192,7 +191,7 @@ def test_every_degree_gives_a_finite_net_or_a_sentence_that_names_it(kind, degre
 
 @pytest.mark.parametrize("count", [0, 2, 4, 5, 7, 11])
 def test_nets_of_wrong_size_are_counted(count):
-    with pytest.raises(ValueError, match=rf"\(n \+ 1\)\(n \+ 2\) / 2 points: .*, not {count}$"):
+    with pytest.raises(ValueError, match=f"1, 3, 6, 10, 15 and so on points, not {count}$"):
         tripatch.BezierTriangle(np.zeros((count, 3)))
 
 
@@ -227,15 +226,15 @@ def test_constituents_without_common_corners_are_named(method, scale):
     moved = net.copy()
     moved[5] += 1e-3 * scale
     a, b = tripatch.BezierTriangle(net), tripatch.BezierTriangle(moved)  # corner 2 is carried by surfaces 0 and 1
-    gap = re.escape(f"{np.sqrt(3) * 1e-3 * scale:.3g}")
-    with pytest.raises(ValueError, match=f"surfaces 0 and 1 do not meet at corner 2: the gap is {gap}"):
+    with pytest.raises(ValueError, match="r0 and r1 do not meet at corner 2") as caught:
         tripatch.blend(b, a, a, method=method)
+    assert caught.value.args[0].parameters["gap"] == pytest.approx(np.sqrt(3) * 1e-3 * scale)
 
 
 @pytest.mark.parametrize("method", [m for m in BETWEEN_SIDES if not m.startswith(("nielson", "szilvasi"))])
 def test_methods_that_blend_no_surfaces_say_so(method):
     a = tripatch.BezierTriangle(np.eye(3))
-    with pytest.raises(ValueError, match=f"{method} is made from three sides; use tripatch.patch"):
+    with pytest.raises(ValueError, match=f"{method} works with tripatch.patch only"):
         tripatch.blend(a, a, a, method=method)
 
 
@@ -243,9 +242,9 @@ def test_methods_that_blend_no_surfaces_say_so(method):
 @pytest.mark.parametrize("method", ["szilvasi_nagy_c0", "szilvasi_nagy_c1"])
 def test_lambda_outside_its_interval_is_named(method, shape):
     a = tripatch.BezierTriangle(np.eye(3))
-    with pytest.raises(ValueError, match=r"shape\[1\] must lie between 0 and 1"):
+    with pytest.raises(ValueError, match=r"shape\[1\] (must be between 0 and 1|is not finite)"):
         tripatch.blend(a, a, a, method=method, shape=(0.5, shape, 0.5))
-    with pytest.raises(ValueError, match=r"shape\[1\] must lie between 0 and 1"):
+    with pytest.raises(ValueError, match=r"shape\[1\] (must be between 0 and 1|is not finite)"):
         filled(method=method, shape=(0.5, shape, 0.5))
 
 
@@ -274,7 +273,7 @@ def test_ends_within_a_tolerance_are_moved_together():
     assert np.abs(patch.evaluate(b) - exact.evaluate(b)).max() < 2e-4
     with refused("sides_apart"):
         tripatch.patch(sides, tolerance=5e-5)
-    with pytest.raises(TypeError, match="tolerance must be a number"):
+    with pytest.raises(TypeError, match="tolerance must be of type float"):
         tripatch.patch(sides, tolerance="some")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -298,7 +297,7 @@ def test_functions_that_are_not_finite_are_named(k, name):
 
         return [f if j == k else function for j, function in enumerate(functions)]
 
-    with pytest.raises(ValueError, match=rf"^{name}\(t\) is not finite at t = 0\.[45]"):
+    with pytest.raises(ValueError, match=rf"^{name}\(0\.[45]\d*\) is not finite"):
         with_side(broken)
 
 

@@ -129,7 +129,7 @@ def test_what_is_no_network_is_refused_with_its_vertices():
     assert list(caught.value.where) == [0]
     with pytest.raises(ValueError, match="normals has nothing for the edge from 0 to 1"):
         tripatch.network(vertices, triangles, curves, {(1, 2): normals[:2]})
-    with pytest.raises(TypeError, match="curves must be a name"):
+    with pytest.raises(TypeError, match="curves must be of type str"):
         tripatch.network(vertices, triangles, [1], normals)
     with pytest.raises(ValueError, match="curves must be one of hermite, smits"):
         tripatch.network(vertices, triangles, "straight", normals)

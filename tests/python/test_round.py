@@ -191,10 +191,10 @@ def test_what_is_not_closed_is_refused():
     side = closed_side()
     with refused("single_side_open"):
         tripatch.patch([side.part(0.0, 0.9)])
-    with pytest.raises(ValueError, match="one value for a round rim"):
+    with pytest.raises(ValueError, match="for 1 side"):
         tripatch.patch([side], bulge=(1, 2))
     vertices, faces = revolved("sphere", 24)
-    with pytest.raises(ValueError, match="of 1 sides"):
+    with pytest.raises(ValueError, match="for 1 side"):
         tripatch.fill(vertices, faces, rim=np.arange(24), corners=(), bulge=(1, 2, 3))
 
 

@@ -354,7 +354,7 @@ def test_3mf_a_file_that_is_none_is_refused_with_a_sentence(tmp_path, capsys):
     for data in (b"", b"PK\x03\x04", b"solid"):
         path.write_bytes(data)
         code, _, err = run(capsys, "fill", path, tmp_path / "out.3mf")
-        assert code == 2 and "no 3MF file" in err
+        assert code == 2 and "The 3MF file is damaged" in err
 
 
 # USD
@@ -458,7 +458,7 @@ def test_usd_what_strip_cannot_give_back_is_said(tmp_path, capsys):
     (path, *_), out = usd(tmp_path / "in.usda"), tmp_path / "out.usda"
     assert run(capsys, "fill", path, out)[0] == 0
     code, _, err = run(capsys, "strip", out, tmp_path / "back.usda")
-    assert code == 1 and "keep the original file" in err
+    assert code == 1 and "do not keep what was filled" in err
 
 
 # all of them

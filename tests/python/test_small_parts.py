@@ -133,8 +133,8 @@ def test_pieces_of_one_curve_follow_each_other_only_apart_and_in_one_direction()
 @pytest.mark.parametrize(
     ("name", "text", "said"),
     [
-        ("pole_offset", "1", "'1' are no two numbers such as 0.1,0"),
-        ("center", "1,2", "'1,2' are no three numbers such as 0,0.5,1"),
+        ("pole_offset", "1", "'1' cannot be read. Write, for example, 0.1,0"),
+        ("center", "1,2", "'1,2' cannot be read. Write, for example, 0,0.5,1"),
     ],
 )
 def test_how_many_numbers_an_option_wants_is_said(name, text, said):
@@ -150,12 +150,12 @@ SIDE = tripatch.Side(SHEET, 0)
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        (lambda: tripatch.Side.from_functions(1, 2, 3), "must be functions of t"),
+        (lambda: tripatch.Side.from_functions(1, 2, 3), "must be of type Callable"),
         (lambda: SIDE.evaluate([[0.5]]), r"t must have shape \(k,\), not \(1, 1\)"),
-        (lambda: SIDE.evaluate([1.5]), r"t must lie in \[0, 1\]"),
+        (lambda: SIDE.evaluate([1.5]), "t must be from 0 to 1, not 1.5"),
         (lambda: tripatch.BezierRectangle([[[0, 0, 0]], [[0, 0, 0], [1, 1, 1]]]), "its rows differ in length"),
         (lambda: tripatch.fill([[0, 0, 0], [1, 0]], [[0, 1, 2]]), "its rows differ in length"),
-        (lambda: tripatch.fill(np.zeros((4, 3)), np.zeros((2, 3, 3), int)), r"must have shape \(m, 3\), \(m, 4\)"),
+        (lambda: tripatch.fill(np.zeros((4, 3)), np.zeros((2, 3, 3), int)), r"must have shape \(m, 3\), not \(2, 3, 3\)"),
     ],
 )
 def test_arguments_of_another_shape_are_refused_by_name(call, said):

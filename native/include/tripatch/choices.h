@@ -42,12 +42,12 @@ BySide<T> each_side(const T& value) {
   return {value};
 }
 
+/// Throws what check_count throws.
+[[noreturn]] void refuse_count(const char* name, std::size_t given, std::size_t sides);
 /// Throws InvalidArgument where the values are neither one nor one a side.
 template <class T>
 void check_count(const BySide<T>& values, std::size_t sides, const char* name) {
-  if (!values.fit(sides))
-    throw InvalidArgument(std::string(name) + " has " + std::to_string(values.values().size()) + " values, for a hole of " +
-                          std::to_string(sides) + " sides; give one, or one a side");
+  if (!values.fit(sides)) refuse_count(name, values.values().size(), sides);
 }
 /// The same as an array of three.
 template <class T>
@@ -147,15 +147,17 @@ const char* name_of(Enum value) {
   return choices<Enum>[static_cast<std::size_t>(value)].name;
 }
 
+/// Throws what named and find_method throw.
+[[noreturn]] void refuse_name(const char* option, std::string_view name, std::vector<std::string> names);
 /// The value of a name; InvalidArgument that lists the names. option: of which it is a value.
 template <class Enum>
 Enum named(std::string_view name, const char* option) {
-  std::string all;
+  std::vector<std::string> names;
   for (std::size_t k = 0; k < choices<Enum>.size(); ++k) {
     if (name == choices<Enum>[k].name) return static_cast<Enum>(k);
-    all += std::string(k ? ", " : "") + choices<Enum>[k].name;
+    names.emplace_back(choices<Enum>[k].name);
   }
-  throw InvalidArgument(std::string(option) + " must be one of " + all + ", not '" + std::string(name) + "'");
+  refuse_name(option, name, std::move(names));
 }
 
 }  // namespace tripatch

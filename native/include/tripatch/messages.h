@@ -183,6 +183,39 @@ enum class Code : std::uint16_t {
   boundaries_not_joined,
   boundaries_face_opposite_ways,
   ring_boundary_open,
+  // Arguments
+  out_of_range,
+  not_finite,
+  zero_vector,
+  not_numbers,
+  wrong_shape,
+  not_one_of,
+  values_by_side,
+  no_such_option,
+  no_such_vertex,
+  no_such_face,
+  no_such_edge,
+  given_twice,
+  corners_at_one_place,
+  single_corner,
+  options_exclusive,
+  option_needs,
+  option_needs_mesh,
+  option_of_one_hole,
+  value_needs_three_sides,
+  triangle_cage_has_no_rows,
+  method_of_function,
+  method_of_three_sides,
+  surfaces_apart,
+  outside_domain,
+  wrong_net,
+  knots_decrease,
+  knots_repeat,
+  not_a_piece,
+  not_the_derivative,
+  no_energy,
+  loops_miscounted,
+  rim_not_from_corner,
 };
 
 struct Message;
@@ -232,7 +265,7 @@ private:
   Messages also_;
 };
 
-/// A mistake of the caller that a user of an interface can make, and its code.
+/// A mistake of the caller that a user of an interface can make, and its code; what only programs can make wrong is an InvalidArgument.
 class CodedArgument : public InvalidArgument {
 public:
   CodedArgument(Code code, std::vector<Parameter> parameters);

@@ -195,9 +195,9 @@ def _options(args: argparse.Namespace) -> dict[str, Any]:
         if args.all and name == "corners" and len(options[name]) == 0:
             continue  # all of them are round
         if args.all and "fill_all" not in OPTIONS[name].functions:
-            raise ValueError(f"--all chooses the rims and corners itself; leave out {flag}")
+            raise ValueError(tripatch.Message("options_exclusive", {"first": "--all", "second": flag}))
         if not args.all and "fill" not in OPTIONS[name].functions:
-            raise ValueError(f"{flag} goes with --all")
+            raise ValueError(tripatch.Message("option_needs", {"option": flag, "needed": "--all"}))
     return options
 
 
@@ -247,7 +247,7 @@ def _fill(args: argparse.Namespace) -> int:
     options = _options(args)
     choosing = {name: options.pop(name) for name in list(options) if "choose_holes" in OPTIONS[name].functions}
     if args.report and os.path.realpath(args.report) in map(os.path.realpath, (args.input, args.out)):
-        raise ValueError(f"--report would write over {args.report}, which is IN or OUT; give it a file of its own")
+        raise ValueError(tripatch.Message("would_overwrite", {"path": str(args.report), "option": "--report"}))
     files.check_output(args.out)
     if args.report:
         files.check_folder(args.report)
@@ -355,10 +355,11 @@ def _strip(args: argparse.Namespace) -> int:
 def _methods() -> int:
     for name, method in tripatch.METHODS.items():
         least, most = method.sides
-        sides = "any rim" if most is None else f"{least} sides" if least == most else f"{least} to {most} sides"
-        fills = "" if method.fills_holes else "; blends surfaces, does not fill holes"
-        options = f"; options: {', '.join(method.options)}" if method.options else ""
-        print(f"{name}\n    {method.description}\n    {method.continuity}, {sides}{fills}{options}\n    {method.citation}")
+        said: dict[str, Any] = {"continuity": method.continuity}
+        said |= {"any": 1} if most is None else {"sides": least} if least == most else {"least": least, "most": most}
+        said |= {} if method.fills_holes else {"blends": 1}
+        said |= {"options": list(method.options)} if method.options else {}
+        print(f"{name}\n    {method.description}\n    {tripatch.Message('method_listed', said)}\n    {method.citation}")
     return FILLED
 
 

@@ -10,24 +10,32 @@ import numpy as np
 
 from . import _native
 from ._types import Array, ArrayLike, Faces
+from .errors import out_of_range, wrong_shape, wrong_type
+from .messages import Message
+
+
+def numbers(value: Any, name: str, shape: str) -> Array:
+    """An array of numbers; shape: that it should have, as messages name it."""
+    try:
+        a = np.asarray(value)
+    except ValueError:
+        raise wrong_shape(name, shape, value, ragged=True) from None
+    if a.dtype.kind not in "fiu" and a.size:
+        raise TypeError(Message("not_numbers", {"name": name, "given": str(a.dtype)}))
+    return a
 
 
 def points(value: Any, name: str = "vertices", finite: bool = False) -> Array:
     """An (n, 3) float64 array; TypeError for what is no array of numbers, ValueError for another shape."""
-    try:
-        a = np.asarray(value)
-    except ValueError:
-        raise ValueError(f"{name} must have shape (n, 3); its rows differ in length") from None
+    a = numbers(value, name, "(n, 3)")
     if a.size == 0 and a.ndim < 2:
         a = np.zeros((0, 3))
-    if a.dtype.kind not in "fiu":
-        raise TypeError(f"{name} must be an array of numbers, not of {a.dtype}")
     if a.ndim != 2 or a.shape[1] != 3:
-        raise ValueError(f"{name} must have shape (n, 3), not {a.shape}")
+        raise wrong_shape(name, "(n, 3)", a.shape)
     a = np.ascontiguousarray(a, dtype=np.float64)
     if finite and not np.isfinite(a).all():
         row = int(np.nonzero(~np.isfinite(a).all(axis=1))[0][0])
-        raise ValueError(f"{name}[{row}] is not finite")
+        raise ValueError(Message("not_finite", {"name": f"{name}[{row}]"}))
     return a
 
 
@@ -95,12 +103,12 @@ def faces(value: Any) -> tuple[Array, Array]:
         if value.size == 0:
             return np.zeros(1, np.int64), np.zeros(0, np.int64)
         if value.dtype.kind not in "iu":
-            raise TypeError(f"faces must hold vertex indices (integers), not {value.dtype}")
+            raise TypeError(Message("not_indices", {"name": "faces", "given": str(value.dtype)}))
         if value.ndim != 2 or value.shape[1] < 3:
-            raise ValueError(f"faces must have shape (m, 3), (m, 4) or be lists of indices, not {value.shape}")
+            raise wrong_shape("faces", "(m, 3)", value.shape)
         corners = np.ascontiguousarray(value, dtype=np.int64).reshape(-1)
         return np.arange(0, corners.size + 1, value.shape[1], dtype=np.int64), corners
-    wrong = TypeError("faces must be an index array or a sequence of index lists")
+    wrong = wrong_type("faces", "ndarray | Sequence[Sequence[int]]", value)
     if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
         raise wrong
     rows = list(value)
@@ -113,9 +121,9 @@ def faces(value: Any) -> tuple[Array, Array]:
         raise wrong from None
     if (sizes < 3).any():
         row = int(np.argmax(sizes < 3))
-        raise ValueError(f"face {row} has {sizes[row]} corners; a face needs three or more")
+        raise ValueError(Message("face_too_small", {"face": row, "corners": int(sizes[row])}))
     if corners.dtype.kind not in "iu":
-        raise TypeError("faces must hold vertex indices (integers)")
+        raise TypeError(Message("not_indices", {"name": "faces", "given": str(corners.dtype)}))
     return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), corners.astype(np.int64)
 
 
@@ -198,19 +206,24 @@ def mesh(vertices: ArrayLike, face_list: Faces) -> tuple[Array, Array, Array]:
     if corners.size and corners.view(np.uint64).max() >= len(v):  # negative ones are the largest
         place = int(np.argmax((corners < 0) | (corners >= len(v))))
         face = int(np.searchsorted(offsets, place, "right")) - 1
-        raise ValueError(f"face {face} names vertex {corners[place]}, but there are {len(v)} vertices")
+        raise no_such_vertex(f"faces[{face}]", int(corners[place]), len(v))
     return v, offsets, corners
+
+
+def no_such_vertex(name: str, vertex: int, count: int) -> ValueError:
+    """The error for an index beyond the vertices."""
+    return ValueError(Message("no_such_vertex", {"option": name, "vertex": vertex, "count": count}))
 
 
 def indices(value: Any, name: str) -> list[int]:
     """A list of whole numbers."""
     a = np.asarray(value)
     if a.ndim != 1:
-        raise ValueError(f"{name} must be a list of indices, not of shape {a.shape}")
+        raise wrong_shape(name, "(k,)", a.shape)
     if a.size and a.dtype.kind not in "iu":
-        raise TypeError(f"{name} must hold indices (integers), not {a.dtype}")
+        raise TypeError(Message("not_indices", {"name": name, "given": str(a.dtype)}))
     if a.dtype.kind == "u" and a.size and a.max() > np.iinfo(np.int64).max:
-        raise ValueError(f"{name} holds {a.max()}, which is larger than any index")
+        raise out_of_range(name, int(a.max()), 0, np.iinfo(np.int64).max)
     found: list[int] = a.tolist()
     return found
 
@@ -226,7 +239,7 @@ def barycentric(value: Any) -> Array:
     row = _native._first_outside(b, _OUTSIDE)
     if row is not None:
         points(b, "b", finite=True)
-        raise ValueError(f"b[{row}] is no point of the triangle: barycentric coordinates are from 0 to 1 and sum to 1")
+        raise ValueError(Message("not_in_triangle", {"name": f"b[{row}]"}))
     return b
 
 
@@ -238,13 +251,14 @@ def by_side(value: Any, name: str, kind: type) -> tuple[Any, ...]:
     """One value for all sides, or one a side: how many there are shows later."""
     if isinstance(value, kind) and not isinstance(value, bool):
         return (value,)
+    types = "str" if kind is str else "float"
     try:
         items = tuple(value)
     except TypeError:
-        raise TypeError(f"{name} must be one value or one a side, not {type(value).__name__}") from None
+        raise wrong_type(name, f"{types} | Sequence[{types}]", value) from None
     if not 1 <= len(items) <= MAX_SIDES:
-        raise ValueError(f"{name} must be one value or one a side, from 2 to {MAX_SIDES}, not {len(items)}")
-    for item in items:
+        raise out_of_range(f"len({name})", len(items), 1, MAX_SIDES)
+    for k, item in enumerate(items):
         if not isinstance(item, kind) or isinstance(item, bool):
-            raise TypeError(f"{name} cannot hold {item!r}")
+            raise wrong_type(f"{name}[{k}]", types, item)
     return items

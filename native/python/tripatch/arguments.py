@@ -11,10 +11,14 @@ from typing import Any
 
 from ._arrays import MAX_SIDES
 from ._native import Option
+from .errors import meant, not_one_of
+from .messages import Message
 from .options import OPTIONS, described, groups, named_value
-from .words import suggested
 
-_COUNTS = {2: "two", 3: "three"}
+
+def unreadable(text: str, example: str) -> argparse.ArgumentTypeError:
+    """The error for a text that is not such as the example."""
+    return argparse.ArgumentTypeError(Message("text_unreadable", {"text": f"{text!r:.60}", "example": example}))
 
 
 def indices(text: str) -> list[int]:
@@ -22,7 +26,7 @@ def indices(text: str) -> list[int]:
     try:
         return [int(part) for part in text.split(",")]
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is no list of vertex indices such as 3,17,42") from None
+        raise unreadable(text, "3,17,42") from None
 
 
 def _indices_or_none(text: str) -> list[int]:
@@ -38,10 +42,9 @@ def _by_side(kind: Callable[..., Any], word: str) -> Callable[..., Any]:
         try:
             values = tuple(kind(part) for part in text.split(","))
         except ValueError:
-            other = f"neither one value nor one a side, separated by commas{', nor ' * bool(word)}{word}"
-            raise argparse.ArgumentTypeError(f"{text!r} is {other}") from None
-        if len(values) > MAX_SIDES:
-            raise argparse.ArgumentTypeError(f"one value or one a side are needed, {MAX_SIDES} at most, not {len(values)}")
+            values = ()
+        if not 1 <= len(values) <= MAX_SIDES:
+            raise unreadable(text, word or "1,0.5,1")
         return values[0] if len(values) == 1 else values
 
     return read
@@ -56,7 +59,7 @@ def _numbers(kind: Callable[..., Any], count: int) -> Callable[..., Any]:
         except ValueError:
             values = ()
         if len(values) != count:
-            raise argparse.ArgumentTypeError(f"{text!r} are no {_COUNTS[count]} numbers such as {example}")
+            raise unreadable(text, example)
         return values
 
     return read
@@ -67,8 +70,7 @@ def _json(text: str) -> dict[str, Any]:
         found: dict[str, Any] = json.loads(text)
         return found
     except (ValueError, RecursionError) as error:
-        given = text if len(text) <= 60 else text[:57] + "..."
-        raise argparse.ArgumentTypeError(f"{given!r} is no JSON: {error}") from None
+        raise unreadable(text, '{"scheme": "loop"}') from error
 
 
 def _loops(text: str) -> list[list[int]] | str:
@@ -86,7 +88,7 @@ def _points(text: str) -> list[list[float] | list[list[float]]]:
         except ValueError:
             values = []
         if len(values) not in (3, 6):
-            raise argparse.ArgumentTypeError(f"{part!r} is no point such as 0,0.5,1, nor a point and its normal")
+            raise unreadable(part, "0,0.5,1")
         found.append(values if len(values) == 3 else [values[:3], values[3:]])
     return found
 
@@ -203,10 +205,10 @@ def out_of(args: argparse.Namespace) -> Path:
         ValueError: none is named, or two are.
     """
     if args.out is not None and args.out_by_name is not None:
-        raise ValueError(f"Name one file to write: {args.out} or {args.out_by_name}")
+        raise ValueError(Message("options_exclusive", {"first": str(args.out), "second": f"-o {args.out_by_name}"}))
     found: Path | None = args.out if args.out_by_name is None else args.out_by_name
     if found is None:
-        raise ValueError("Name the file to write: -o FILE")
+        raise ValueError(Message("output_unnamed"))
     return found
 
 
@@ -241,14 +243,13 @@ class Parser(argparse.ArgumentParser):
         if len(unknown) == len(late) == 1 and not unknown[0].startswith("-"):
             setattr(found, late[0].dest, self._get_value(late[0], unknown.pop()))
         if unknown:
-            self.error(f"unrecognized arguments: {' '.join(unknown)}{self._meant(unknown[0])}")
+            self.error(Message("unknown_arguments", {"words": " ".join(unknown), **self._meant(unknown[0])}))
         return found, unknown
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
-            said = f"{value!r} is not one of {', '.join(map(str, action.choices))}{suggested(str(value), action.choices)}"
-            raise argparse.ArgumentError(action, said)
+            raise argparse.ArgumentError(action, str(not_one_of(action.dest, value, action.choices)))
 
-    def _meant(self, word: str) -> str:
+    def _meant(self, word: str) -> dict[str, str]:
         shown = [name for action in self._actions if action.help != argparse.SUPPRESS for name in action.option_strings]
-        return suggested(word.partition("=")[0], shown) if word.startswith("--") else ""
+        return meant(word.partition("=")[0], shown) if word.startswith("--") else {}

@@ -12,24 +12,25 @@ import numpy as np
 from . import _arrays, _native
 from ._native import AttributeWeights
 from ._types import Array, ArrayLike, Faces
+from .errors import wrong_shape
+from .messages import Message
 
 
 def _parameters(value: Any, name: str) -> Array:
-    a = np.asarray(value)
-    if a.dtype.kind not in "fiu":
-        raise TypeError(f"{name} must be an array of numbers, not of {a.dtype}")
+    shapes = "(k, 3) | (k, 2)"
+    a = _arrays.numbers(value, name, shapes)
     if a.ndim != 2 or a.shape[1] not in (2, 3):
-        raise ValueError(f"{name} must have shape (k, 3), barycentric, or (k, 2), in a plane domain, not {a.shape}")
+        raise wrong_shape(name, shapes, a.shape)
     a = np.ascontiguousarray(a, dtype=np.float64)
     if not np.isfinite(a).all():
-        raise ValueError(f"{name} must be finite")
+        raise ValueError(Message("not_finite", {"name": name}))
     return a
 
 
 def attribute_weights(rim: Any, inside: ArrayLike | None = None, loops: Sequence[int] = ()) -> AttributeWeights:
     """How values that are given along the rim are continued to the points inside: the weights of UVs, colors, vertex groups.
 
-    Values are given at both ends of every rim edge, since two edges may disagree at their common vertex, as at a UV seam: end
+    Values are given at both ends of every rim edge, since two edges may disagree at their common vertex, as at a UV seam. End
     2 e is the start of the edge from rim vertex e to the next, 2 e + 1 its end. Along an edge they are linear; linear functions
     of the parameters come back.
 
@@ -53,11 +54,9 @@ def attribute_weights(rim: Any, inside: ArrayLike | None = None, loops: Sequence
 
 def _call(self: AttributeWeights, values: ArrayLike) -> Array:
     """Values (k, d) at the points from values (2 r, d) at the ends of the rim edges."""
-    a = np.asarray(values)
-    if a.dtype.kind not in "fiu":
-        raise TypeError(f"values must be an array of numbers, not of {a.dtype}")
+    a = _arrays.numbers(values, "values", "(2 r, d)")
     if a.ndim != 2:
-        raise ValueError(f"values must have shape (2 r, d), not {a.shape}")
+        raise wrong_shape("values", "(2 r, d)", a.shape)
     return self._blend(np.ascontiguousarray(a, dtype=np.float64))
 
 
@@ -138,5 +137,5 @@ def angles(a: ArrayLike, b: ArrayLike) -> Array:
     """
     a, b = _arrays.points(a, "a"), _arrays.points(b, "b")
     if a.shape != b.shape:
-        raise ValueError(f"a and b must have the same shape, not {a.shape} and {b.shape}")
+        raise wrong_shape("b", str(a.shape), b.shape)
     return _native._angles(a, b)

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _arrays, _native, quality
 from ._types import Array
-from .errors import Refusal
+from .errors import Refusal, out_of_range
 from .messages import Message
 from .options import checked
 
@@ -71,7 +71,7 @@ class Holes:
     def __init__(self, vertices: Array, offsets: Array, corners: Array, given: Any, islands: str, join: float | None) -> None:
         """given: options of `choose_holes`."""
         if join is not None and not 0 <= join < np.inf:
-            raise ValueError(f"join must be a distance, 0 or more and finite, not {join:g}")
+            raise out_of_range("join", join, 0)
         self._original, self._offsets, self.corners = corners, offsets, corners
         self._stands: Array | None = None
         self.joined: Joined | None = None

@@ -13,6 +13,7 @@ from ._native import BezierRectangle, NurbsSurface, Patch, Side
 from ._types import Array
 from .between import Curve, Loop, SurfaceEdge, Way, facing
 from .errors import Refusal
+from .messages import Message
 from .nurbs import _basis
 from .surfaces import triangle_on
 
@@ -53,7 +54,7 @@ def _piece(curve: Curve, way: Way) -> tuple[Any, Array]:
     if not isinstance(curve, SurfaceEdge) or curve.origin is None:
         return None, np.zeros((3, 2))
     if max(way) > 1:
-        raise Refusal(f"{curve.name} closes within the side of the hole; turn the surface, so that it closes elsewhere")
+        raise Refusal.of(Message("surface_closes_in_side", {"name": curve.name}))
     surface, edge = curve.origin
     u0, u1, v0, v1 = surface.domain
     corners = np.array([(u0, v0), (u1, v0), (u1, v1), (u0, v1)])

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import difflib
+import math
+import numbers
 from collections.abc import Iterable
 from typing import Any
 
@@ -67,18 +70,6 @@ def _again(kind: type[Refusal], messages: tuple[Message, ...], where: list[int])
     return refusal
 
 
-class Mistake(ValueError):
-    """An argument that does not fit the others, in words that an interface can replace by its own.
-
-    Attributes:
-        said: the sentence as a message with its code.
-    """
-
-    def __init__(self, said: Message) -> None:
-        super().__init__(said)
-        self.said = said
-
-
 class FillWarning(UserWarning):
     """What a person should know of a result that comes without a report.
 
@@ -90,3 +81,44 @@ class FillWarning(UserWarning):
     def code(self) -> str:
         """A short name for the warning."""
         return str(getattr(self.args[0], "code", "")) if self.args else ""
+
+
+def because(error: Exception) -> str:
+    """What an error says: its message, or the words of the system."""
+    said = getattr(error, "said", error.args[0] if error.args else "")
+    return said if isinstance(said, Message) else str(getattr(error, "strerror", None) or error)
+
+
+def meant(word: object, known: Iterable[object]) -> dict[str, str]:
+    """The parameter of a message that suggests what may have been meant, or none."""
+    near = difflib.get_close_matches(str(word), [str(each) for each in known], n=1)
+    return {"meant": near[0]} if near else {}
+
+
+def wrong_type(name: str, types: str, value: object) -> TypeError:
+    """The error for an argument of another type than these, which are written as annotations."""
+    return TypeError(Message("wrong_type", {"name": name, "types": types, "value": f"{value!r:.60}"}))
+
+
+def out_of_range(name: str, value: float, least: float, most: float = math.inf, *, is_open: bool = False) -> ValueError:
+    """The error for a number that is not finite, or not within a range. is_open: its ends are not allowed."""
+    if not isinstance(value, numbers.Integral) and not math.isfinite(value):
+        return ValueError(Message("not_finite", {"name": name}))
+    ends = {"above" if is_open else "least": least}
+    if math.isfinite(most):
+        ends = {"after": least, "before": most} if is_open else {"from": least, "to": most}
+    said = {end: f"{number:.12g}" for end, number in ends.items()}
+    shown = str(value) if isinstance(value, numbers.Integral) else f"{value:.12g}"
+    return ValueError(Message("out_of_range", {"name": name, **said, "value": shown}))
+
+
+def wrong_shape(name: str, shape: str, given: object, *, ragged: bool = False) -> ValueError:
+    """The error for an array of another shape. ragged: its rows differ in length."""
+    said = {"ragged": 1} if ragged else {"given": str(given)}
+    return ValueError(Message("wrong_shape", {"name": name, "shape": shape, **said}))
+
+
+def not_one_of(name: str, value: object, allowed: Iterable[object]) -> ValueError:
+    """The error for a name that is not known, with the one that may have been meant."""
+    values = [str(each) for each in allowed]
+    return ValueError(Message("not_one_of", {"name": name, "values": values, "value": f"{value!r:.60}", **meant(value, values)}))

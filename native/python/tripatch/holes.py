@@ -8,6 +8,7 @@ import numpy as np
 
 from . import _arrays, _native
 from ._types import Array, ArrayLike, Faces
+from .errors import out_of_range
 from .options import checked, takes_options
 
 
@@ -22,7 +23,7 @@ def find_holes(faces: Faces) -> list[Array]:
     """
     offsets, corners = _arrays.faces(faces)
     if corners.size and corners.min() < 0:
-        raise ValueError("faces must hold vertex indices from 0 on")
+        raise out_of_range("faces", int(corners.min()), 0)
     return _native._find_holes(offsets, corners)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from . import _arrays, trimeshes
 from ._types import Array, ArrayLike, Faces
 from .borders import Joined
-from .errors import FillWarning, Refusal
+from .errors import FillWarning, Refusal, wrong_type
 from .files.mesh_file import MeshFile
 from .filling import Fill, Fills, fill_all
 from .messages import Message
@@ -128,7 +128,7 @@ def merge(vertices: ArrayLike, faces: Faces, fills: Sequence[Fill | Refusal]) ->
     """
     for each in fills:
         if not isinstance(each, Fill | Refusal):
-            raise TypeError(f"fills must hold Fill objects, not {type(each).__name__}")
+            raise wrong_type("fills", "Sequence[Fill]", fills)
     whole = _Merged(vertices, faces, fills, fills.joined if isinstance(fills, Fills) else None)
     return whole.vertices, _like(faces, whole.offsets, whole.corners)
 
@@ -177,7 +177,7 @@ def fill_holes(
     """
     mesh = mesh_or_vertices
     if faces is None and not (hasattr(mesh, "vertices") and hasattr(mesh, "faces")):
-        raise TypeError(f"fill_holes needs vertices and faces, or one mesh that has both, not {type(mesh).__name__}")
+        raise TypeError(Message("mesh_needed", {"function": "fill_holes()", "type": type(mesh).__name__}))
     vertices, own = (mesh, faces) if faces is not None else (mesh.vertices, mesh.faces)
     welded = None
     if faces is None and trimeshes.is_one(mesh):
@@ -220,4 +220,4 @@ def _rebuilt(mesh: Any, vertices: Array, rows: Any) -> Any:
         return type(mesh)(vertices=vertices, faces=rows)
     except TypeError as error:
         name = type(mesh).__name__
-        raise TypeError(f"{name} cannot be made from vertices and faces ({error}); give mesh.vertices, mesh.faces") from error
+        raise TypeError(Message("mesh_not_made", {"type": name, "reason": str(error)})) from error

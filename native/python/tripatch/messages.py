@@ -26,8 +26,17 @@ class Row:
     meaning: str
 
 
+_LARGEST = 2**63 - 1
+
 #: Every code and its sentences.
 TABLE: dict[str, Row] = {code: Row(*row) for code, *row in _native._messages()}
+
+
+def _plain(value: Any, style: dict[str, Any]) -> Any:
+    """A parameter as the core reads it, whose whole numbers have 64 bits."""
+    if isinstance(value, int):
+        return max(-_LARGEST, min(int(value), _LARGEST))
+    return value.worded(**style) if isinstance(value, Message) else value
 
 
 def wording(
@@ -51,7 +60,7 @@ def wording(
     """
     row = TABLE[code]
     style: dict[str, Any] = {"vertices": vertices, "panel": panel, "names": names}
-    plain = {name: value.worded(**style) if isinstance(value, Message) else value for name, value in parameters.items()}
+    plain = {name: _plain(value, style) for name, value in parameters.items()}
     pattern = row.panel if panel and row.panel else row.sentence
     return _native._format(pattern, plain, [int(v) for v in where], vertices, panel, dict(names or {}))
 

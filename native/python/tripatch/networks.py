@@ -11,6 +11,8 @@ from . import _arrays, _native
 from ._native import Side
 from ._types import Array, ArrayLike, Faces
 from .attributes import vertex_normals
+from .errors import out_of_range, wrong_shape, wrong_type
+from .messages import Message
 from .surfaces import _CURVES, _named, _numbers, _whole
 
 #: Of a curve or a field: t (k,) -> (k, 3).
@@ -37,7 +39,7 @@ def _curve(value: Any, name: str) -> tuple[Field, Field]:
         return value
     net = _numbers(value, name, 2, 3)
     if len(net) < 2:
-        raise ValueError(f"{name} must be two control points or more")
+        raise out_of_range(f"len({name})", len(net), 2)
     return _bezier(net), _bezier((len(net) - 1) * np.diff(net, axis=0))
 
 
@@ -47,7 +49,7 @@ def _field(value: Any, name: str) -> Field:
         return field
     net = _numbers(value, name, 2, 3)
     if not len(net):
-        raise ValueError(f"{name} must be a control point or more")
+        raise out_of_range(f"len({name})", 0, 1)
     return _bezier(net)
 
 
@@ -56,7 +58,7 @@ def _along(given: Mapping[Edge, Any], edge: Edge, name: str) -> Field:
     if edge in given:
         return _field(given[edge], f"{name}[{edge}]")
     if edge[::-1] not in given:
-        raise ValueError(f"{name} has nothing for the edge from {edge[0]} to {edge[1]}")
+        raise ValueError(Message("no_curve_along", {"name": name, "first": edge[0], "second": edge[1]}))
     field = _field(given[edge[::-1]], f"{name}[{edge[::-1]}]")
     return lambda t: field(1 - np.asarray(t, float))
 
@@ -104,20 +106,20 @@ def network(
     else:
         at = None if normals is None else _arrays.points(normals, "normals")
         if at is not None and len(at) != len(v):
-            raise ValueError(f"normals must have shape ({len(v)}, 3), not {at.shape}")
+            raise wrong_shape("normals", f"({len(v)}, 3)", at.shape)
     if isinstance(curves, str):
         if isinstance(normals, Mapping):
-            raise TypeError("normals must be those of the vertices where the curves are made from them")
+            raise wrong_type("normals", "ndarray | None", type(normals))
         return _native._smooth_triangles(v, offsets, corners, at, cuts, _named(curves, "curves", _CURVES), True)
     if not isinstance(curves, Mapping):
-        raise TypeError("curves must be a name, or a dictionary of curves by edge (a, b)")
+        raise wrong_type("curves", "str | Mapping", curves)
     if at is None:
         at = vertex_normals(vertices, triangles)
     edges, sides = [], []
     for a, b in curves:
         edge = (int(a), int(b))
         if not 0 <= min(edge) <= max(edge) < len(v):
-            raise ValueError(f"curves names the edge {edge}, but there are {len(v)} vertices")
+            raise _arrays.no_such_vertex("curves", min(edge) if min(edge) < 0 else max(edge), len(v))
         field = _along(normals, edge, "normals") if isinstance(normals, Mapping) else _bezier(at[list(edge)])
         edges.append(edge)
         sides.append(_side(_curve(curves[a, b], f"curves[{edge}]"), field))

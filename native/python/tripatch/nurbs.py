@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import numbers
 import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -15,6 +14,9 @@ from . import _native
 from ._native import BezierTriangle, NurbsSurface, Patch
 from ._types import Array
 from .attributes import angles
+from .errors import out_of_range, wrong_type
+from .messages import Message
+from .surfaces import real
 
 #: Of a patch's size: how near the surfaces come unless a tolerance is given.
 _NEAR = 1e-7
@@ -126,10 +128,8 @@ def _drawn_together(patch: Patch) -> list[Map]:
 
 def _pieces(patch: Patch) -> tuple[list[Map], list[tuple[int, Array]]]:
     """Squares that make up a patch's domain, and which of their edges (a piece and its places) lie on its sides."""
-    if isinstance(patch, _native.PlanePatch):
-        raise ValueError("A surface over the plane of a rim is no NURBS surface; choose a method between sides")
-    if isinstance(patch, _native.RingPatch):
-        raise ValueError("A ring between two sides is not written as NURBS surfaces")
+    if isinstance(patch, _native.PlanePatch | _native.RingPatch):
+        raise ValueError(Message("no_nurbs"))
     t = np.linspace(2 * _BESIDE_CORNER, 1, 50)
     along_s, along_t = np.column_stack([t, 0 * t]), np.column_stack([0 * t, t])
     if isinstance(patch, _native.RoundPatch):
@@ -254,11 +254,9 @@ def nurbs(patch: Patch, tolerance: float | None = None) -> NurbsPatch:
         A `NurbsPatch`, which states its largest distance from the patch and the largest angle to it along the sides.
     """
     if not isinstance(patch, Patch):
-        raise TypeError(f"patch must be a Patch, not {type(patch).__name__}")
-    if tolerance is not None and (not isinstance(tolerance, numbers.Real) or isinstance(tolerance, bool)):
-        raise TypeError("tolerance must be a number or None")
-    if tolerance is not None and not 0 < tolerance < np.inf:
-        raise ValueError("tolerance must be a length above 0")
+        raise wrong_type("patch", "Patch", patch)
+    if tolerance is not None and not 0 < real(tolerance, "tolerance") < np.inf:
+        raise out_of_range("tolerance", tolerance, 0, is_open=True)
     if isinstance(patch, BezierTriangle) and 1 <= patch.degree <= _MOST:
         return _made(patch, patch.degree, 1, True)
     best: NurbsPatch | None = None
@@ -284,7 +282,8 @@ def _kernel() -> Any:
         import OCP.Message
         import OCP.STEPControl
     except ImportError as reason:
-        raise ImportError("STEP files need the package cadquery-ocp: pip install tripatch[step]") from reason
+        needed = {"what": ".step", "package": "cadquery-ocp", "install": "tripatch[step]"}
+        raise ImportError(Message("package_needed", needed)) from reason
     for printer in OCP.Message.Message.DefaultMessenger_s().Printers():
         printer.SetTraceLevel(OCP.Message.Message_Gravity.Message_Fail)
     return OCP
@@ -340,7 +339,7 @@ def write_step(
     """
     given = [patches] if isinstance(patches, Patch) else list(patches)
     if not given:
-        raise ValueError("There are no patches to write")
+        raise ValueError(Message("nothing_given", {"name": "patches"}))
     made = [nurbs(patch, tolerance) for patch in given]
     kernel = _kernel()
     extent = max(float(np.ptp(np.concatenate([p.reshape(-1, 3) for p in each.points]), axis=0).max()) for each in made)
@@ -355,7 +354,7 @@ def write_step(
     writer = kernel.STEPControl.STEPControl_Writer()
     done = kernel.IFSelect.IFSelect_ReturnStatus.IFSelect_RetDone
     if writer.Transfer(sewing.SewedShape(), kernel.STEPControl.STEPControl_StepModelType.STEPControl_AsIs) != done:
-        raise ValueError("The CAD kernel could not turn the surfaces into STEP entities")
+        raise ValueError(Message("cad_kernel_failed"))
     if writer.Write(os.fspath(path)) != done:
-        raise OSError(f"{os.fspath(path)} could not be written")
+        raise OSError(Message("package_cannot_write", {"package": "cadquery-ocp", "suffix": ".step"}))
     return made

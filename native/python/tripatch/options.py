@@ -12,8 +12,10 @@ from typing import Any, TypeVar, overload
 
 import numpy as np
 
-from . import _arrays, _native, words
+from . import _arrays, _native
 from ._native import Option
+from .errors import meant, not_one_of, out_of_range, wrong_shape, wrong_type
+from .messages import Message
 
 #: name -> construction, with .description, .citation, .fills_holes, .continuity, .sides (the smallest and the largest number;
 #: (0, None): any rim) and .options: those of `fill` that it reads and not every construction does
@@ -35,27 +37,29 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def choice(value: Any, name: str, allowed: Sequence[Any]) -> Any:
     """The value, if it is one of the names allowed."""
     if value is not None and not isinstance(value, str):
-        raise TypeError(f"{name} must be a name, not {type(value).__name__}")
+        raise wrong_type(name, "str", value)
     if value not in allowed:
-        listed = f"{name} must be one of {', '.join(str(a) for a in allowed)}, not {value!r}"
-        raise ValueError(listed + words.suggested(str(value), allowed))
+        raise not_one_of(name, value, allowed)
     return value
 
 
 def whole(value: Any, name: str, least: float, most: float) -> int:
     """A whole number within a range; inf: no end, but for what the core can hold."""
     if isinstance(value, bool) or not isinstance(value, numbers.Integral):
-        raise TypeError(f"{name} must be a whole number, not {value!r}")
+        raise wrong_type(name, "int", value)
     if not least <= int(value) <= min(most, _LARGEST):
-        allowed = f"from {least:.0f} to {most:.0f}" if np.isfinite(most) else f"{least:.0f} or greater"
-        raise ValueError(f"{name} must be {allowed}, not {value}")
+        raise out_of_range(name, int(value), least, most)
     return int(value)
 
 
 def _flag(value: Any, option: Option) -> bool:
     if not isinstance(value, (bool, np.bool_)):
-        raise TypeError(f"{option.name} must be True or False")
+        raise wrong_type(option.name, "bool", value)
     return bool(value)
+
+
+def _wrong_count(option: Option, given: int) -> ValueError:
+    return ValueError(Message("wrong_count", {"name": option.name, "count": option.count, "given": given}))
 
 
 def _whole(value: Any, option: Option) -> Any:
@@ -63,7 +67,7 @@ def _whole(value: Any, option: Option) -> Any:
         return whole(value, option.name, option.range.least, option.range.most)
     numbers_given = tuple(value) if isinstance(value, Iterable) else (value,)
     if len(numbers_given) != option.count:
-        raise ValueError(f"{option.name} must be {option.count} whole numbers, not {len(numbers_given)}")
+        raise _wrong_count(option, len(numbers_given))
     return [whole(each, option.name, option.range.least, option.range.most) for each in numbers_given]
 
 
@@ -71,7 +75,7 @@ def _float(value: Any, name: str) -> float:
     try:
         return float(value)
     except OverflowError:
-        raise ValueError(f"{name} must be finite, and a whole number of so many digits is beyond all floats") from None
+        raise ValueError(Message("not_finite", {"name": name})) from None
 
 
 def _number(value: Any, option: Option) -> Any:
@@ -81,12 +85,14 @@ def _number(value: Any, option: Option) -> Any:
         try:
             numbers_given = np.asarray(value, dtype=float)
         except (TypeError, ValueError, OverflowError):
-            raise TypeError(f"{option.name} must be {option.count} numbers, not {value!r:.60}") from None
-        if numbers_given.shape != (option.count,) or not np.isfinite(numbers_given).all():
-            raise ValueError(f"{option.name} must be {option.count} numbers")
+            raise wrong_type(option.name, "Sequence[float]", value) from None
+        if numbers_given.shape != (option.count,):
+            raise wrong_shape(option.name, f"({option.count},)", numbers_given.shape)
+        if not np.isfinite(numbers_given).all():
+            raise ValueError(Message("not_finite", {"name": option.name}))
         return numbers_given.tolist()
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        raise TypeError(f"{option.name} must be a number{' or None' * option.optional}, not {value!r}")
+        raise wrong_type(option.name, "float | None" if option.optional else "float", value)
     return _float(value, option.name)
 
 
@@ -122,39 +128,42 @@ def named_value(value: Any, option: Option, called: str = "") -> Any:
 def _indices(value: Any, option: Option) -> list[int]:
     found = _arrays.indices(value, option.name)
     if option.count and len(found) != option.count:
-        raise ValueError(f"{option.name} must be {option.count} vertex indices, not {len(found)}")
+        raise _wrong_count(option, len(found))
     return found
 
 
 def _loops(value: Any, option: Option) -> list[list[int]]:
     if isinstance(value, str) or not isinstance(value, Iterable):
-        raise TypeError(f"{option.name} must be lists of vertex indices, not {value!r:.60}")
+        raise wrong_type(option.name, "Sequence[Sequence[int]]", value)
     return [_arrays.indices(loop, option.name) for loop in value]
 
 
 def _position(value: Any, option: Option) -> list[float]:
     position = np.asarray(value)
     if position.dtype.kind not in "fiu":
-        raise TypeError(f"{option.name} must be a position (3,), or None, not {value!r}")
+        raise wrong_type(option.name, "Sequence[float] | None", value)
     if position.shape != (3,):
-        raise ValueError(f"{option.name} must be three finite numbers")
+        raise wrong_shape(option.name, "(3,)", position.shape)
     found: list[float] = position.astype(float).tolist()
     return found
 
 
 def _points(value: Any, option: Option) -> list[tuple[list[float], list[float] | None]]:
     """Points, each with its normal or None, of points, pairs and polylines."""
-    wanted = f"{option.name} must hold points (3,), pairs of a point and a normal, or polylines (m, 3)"
+
+    def wrong(given: Any) -> Message:
+        return Message("not_points", {"name": option.name, "value": f"{given!r:.60}"})
+
     if isinstance(value, str) or not isinstance(value, Iterable):
-        raise TypeError(f"{wanted}, not {value!r:.60}")
+        raise TypeError(wrong(value))
     found: list[tuple[list[float], list[float] | None]] = []
     for one in value:
         try:
             given = np.asarray(one, dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
-            raise TypeError(f"{wanted}, not {one!r:.60}") from None
+            raise TypeError(wrong(one)) from None
         if given.ndim not in (1, 2) or given.shape[-1] != 3 or len(given) < 2 or not np.isfinite(given).all():
-            raise ValueError(wanted)
+            raise ValueError(wrong(one))
         if given.ndim == 1:
             found.append((given.tolist(), None))
         elif len(given) == 2:
@@ -171,23 +180,25 @@ def _creases(value: Any, name: str, width: int) -> tuple[list[Any], list[float]]
     try:
         places, values = (np.asarray(part) for part in value)
     except (TypeError, ValueError):
-        raise TypeError(f"{name} must be a pair: indices, and one value each, not {value!r:.60}") from None
+        raise wrong_type(name, "tuple[ndarray, ndarray]", value) from None
     if places.size == 0:
         return [], []
     if places.dtype.kind not in "iu" or values.dtype.kind not in "fiu":
-        raise TypeError(f"{name} must hold vertex indices (integers) and numbers, not {places.dtype} and {values.dtype}")
+        raise wrong_type(name, "tuple[ndarray[int], ndarray[float]]", value)
     _arrays.indices(places.ravel(), name)
+    shapes = "(e, 2) and (e,)" if width == 2 else "(k,) and (k,)"
     if places.shape[1:] != (() if width == 1 else (width,)) or values.shape != places.shape[:1]:
-        raise ValueError(f"{name} must be indices and one value each, not of shapes {places.shape} and {values.shape}")
-    if not ((values >= 0) & (values <= 1)).all():
-        raise ValueError(f"{name} must be from 0 to 1")
+        raise wrong_shape(name, shapes, f"{places.shape}, {values.shape}")
+    outside = ~((values >= 0) & (values <= 1))
+    if outside.any():
+        raise out_of_range(name, float(values[outside][0]), 0, 1)
     return places.tolist(), values.astype(float).tolist()
 
 
 def subdivision(settings: Mapping[str, Any] | None, level: int = 2) -> _native.Subdivision:
     """The settings of a Subdivision modifier of that level, as the core reads them."""
     if not isinstance(settings, Mapping | None):
-        raise TypeError(f"subdivision must be a dict of settings, not {settings!r:.60}")
+        raise wrong_type("subdivision", "dict | None", settings)
     given = {} if settings is None else dict(settings)
     s = _native.Subdivision()
     s.loop = choice(given.pop("scheme", "catmull_clark"), "scheme", ("catmull_clark", "loop")) == "loop"
@@ -201,7 +212,7 @@ def subdivision(settings: Mapping[str, Any] | None, level: int = 2) -> _native.S
     s.crease_vertices, s.vertex_creases = _creases(given.pop("vertex_creases", None), "vertex_creases", 1)
     s.loose_vertices = _arrays.indices(given.pop("loose_vertices", ()), "loose_vertices")
     if given:
-        raise ValueError(f"subdivision has no setting {', '.join(map(repr, given))}")
+        raise ValueError(Message("no_such_option", {"function": "subdivision", "name": ", ".join(given)}))
     return s
 
 
@@ -267,7 +278,8 @@ def checked(function: str, given: dict[str, Any]) -> dict[str, Any]:
     rows, defaults, ready = _rows(function), _defaults(function), _ready(function)
     unknown = given.keys() - defaults.keys()
     if unknown:
-        raise TypeError(f"{function}() got an unexpected keyword argument {min(unknown)!r}")
+        said = {"function": f"{function}()", "name": min(unknown), **meant(min(unknown), defaults)}
+        raise TypeError(Message("no_such_option", said))
     values, made = defaults | given, dict(ready)
     if "method" in values:
         choice(values["method"], "method", names(OPTIONS["method"]))

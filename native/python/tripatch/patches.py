@@ -12,11 +12,11 @@ import numpy as np
 from . import _arrays, _native, words
 from ._native import BezierTriangle, Patch, Report, Side, SzilvasiNagyPatch
 from ._types import Array, ArrayLike
-from .errors import FillWarning
+from .errors import FillWarning, out_of_range, wrong_shape, wrong_type
 from .messages import Message
 from .options import OPTIONS, checked, choice, names, takes_options, whole
 from .pickling import remade
-from .surfaces import surface_of, triangle_on
+from .surfaces import real, surface_of, triangle_on
 
 #: Of the extent of a side: ends that are no farther apart close it.
 _CLOSED = 1e-6
@@ -96,12 +96,10 @@ def patch(
     sides = tuple(side if isinstance(side, Side) or not isinstance(side, Sequence) else tuple(side) for side in sides)
     pieces = [piece for side in sides for piece in (side if isinstance(side, tuple) else (side,))]
     if not 1 <= len(sides) <= 12 or any(side == () for side in sides) or not all(isinstance(piece, Side) for piece in pieces):
-        raise TypeError("sides must be two to twelve Side objects, or lists of the pieces of a side; or one side that is closed")
+        raise TypeError(Message("not_sides", {"name": "sides"}))
     if tolerance is not None:
-        if not isinstance(tolerance, numbers.Real) or isinstance(tolerance, bool):
-            raise TypeError("tolerance must be a number or None")
-        if not 0 <= tolerance < np.inf:
-            raise ValueError("tolerance must be a length")
+        if not 0 <= real(tolerance, "tolerance") < np.inf:
+            raise out_of_range("tolerance", tolerance, 0)
         met = iter(_closed(pieces, float(tolerance)))
         sides = tuple(next(met) if isinstance(side, Side) else tuple(next(met) for _ in side) for side in sides)
     sides = _joined(
@@ -144,7 +142,8 @@ def _between_many(sides: Sequence[Side], options: dict[str, Any], progress: Call
     own = ("annulus",) if _is_ring(sides) else ("multi_sided", "side_vertex") if len(sides) == 3 else ("multi_sided",)
     many = ("auto", *own)
     if options["method"] not in many:
-        raise ValueError(f"{options['method']} makes patches of three sides; of {len(sides)} sides {own[0]} does")
+        said = {"method": str(options["method"]), "count": len(sides), "methods": list(many)}
+        raise ValueError(Message("method_of_three_sides", said))
     given = checked("patch", options)
     if _is_ring(sides):
         return _made("_ring_patch", sides, given, progress)
@@ -161,9 +160,7 @@ def _constituent(given: Any, name: str) -> Patch:
         return triangle_on(*given)
     if callable(given):
         return surface_of(given, name)
-    raise TypeError(
-        f"{name} must be a patch, a surface and three places (3, 2) of its domain, or a function of barycentric coordinates"
-    )
+    raise TypeError(Message("not_a_surface", {"name": name}))
 
 
 def blend(
@@ -206,9 +203,9 @@ def _evaluate(self: Patch, b: ArrayLike, derivatives: int = 0) -> Any:
         P (k, 3); with derivatives the tuple (P, D1 (k, 2, 3), D2 (k, 3, 3) in the order 00, 01, 11, D3 (k, 4, 3)).
     """
     if isinstance(derivatives, bool) or not isinstance(derivatives, numbers.Integral):
-        raise TypeError("derivatives must be a whole number")
+        raise wrong_type("derivatives", "int", derivatives)
     if not 0 <= derivatives <= 3:
-        raise ValueError(f"derivatives must be from 0 to 3, not {derivatives}")
+        raise out_of_range("derivatives", derivatives, 0, 3)
     return self._evaluate(_places(b), int(derivatives))
 
 
@@ -237,7 +234,7 @@ def _patch_energy(self: Patch, name: str) -> float:
     if name != "nine_points":
         return self._energy(choice(name, "energy", names(OPTIONS["fairing"])))
     if _sides_of(self) != 3:
-        raise ValueError("nine_points is an energy over the triangle; this patch has another domain")
+        raise ValueError(Message("value_needs_three_sides", {"option": "energy", "value": "nine_points"}))
     second = self.evaluate(_NINE[:, :2], derivatives=2)[2]
     return float(np.einsum("k,d,kdx->", _NINE[:, 2] / 9, [1.0, 2.0, 1.0], second**2))
 
@@ -248,13 +245,13 @@ def _places_on_side(edges: Any, i: int) -> list[float]:
         return [float(t) for t in np.linspace(0, 1, whole(edges, "edges", 1, 10000) + 1)]
     t = np.asarray(edges, dtype=np.float64)
     if t.ndim != 1 or len(t) < 2 or t[0] != 0 or t[-1] != 1 or not (np.diff(t) > 0).all():
-        raise ValueError(f"edges[{i}] must increase from 0 to 1")
+        raise ValueError(Message("not_increasing", {"name": f"edges[{i}]"}))
     return [float(place) for place in t]
 
 
 def _sides_of(patch: Patch) -> int:
     if isinstance(patch, _native.PlanePatch):
-        raise ValueError("a surface over the plane of a rim has no sides; its domain holds the places of the rim's vertices")
+        raise ValueError(Message("no_sides"))
     if isinstance(patch, _native.RingPatch):
         return 2
     return len(patch.domain) if isinstance(patch, _native.PolygonPatch) else 1 if isinstance(patch, _native.RoundPatch) else 3
@@ -274,7 +271,7 @@ def _triangles(self: Patch, edges: Any, resolution: int | None = None) -> tuple[
     count = _sides_of(self)
     given = (edges,) * count if isinstance(edges, numbers.Number) else tuple(edges)
     if len(given) != count:
-        raise ValueError(f"edges must be one value or one a side, {count}, not {len(given)}")
+        raise ValueError(Message("values_by_side", {"name": "edges", "given": len(given), "sides": count}))
     sides = [_places_on_side(side, i) for i, side in enumerate(given)]
     inside = None if resolution is None else whole(resolution, "resolution", 1, 10000)
     if isinstance(self, _native.PolygonPatch):
@@ -309,10 +306,7 @@ def _mu(self: SzilvasiNagyPatch, b: ArrayLike) -> Array:
 
 def _auxiliary_curve(self: SzilvasiNagyPatch, i: int, t: ArrayLike) -> Array:
     """(k, 3) points of the auxiliary curve g_i over side i at t (k,) in [0, 1]."""
-    at = np.atleast_1d(np.asarray(t, dtype=np.float64))
-    if at.ndim != 1 or not ((at >= 0) & (at <= 1)).all():
-        raise ValueError("t must be numbers in [0, 1]")
-    return self._auxiliary_curve(whole(i, "i", 0, 2), at.tolist())
+    return self._auxiliary_curve(whole(i, "i", 0, 2), _parameters(t).tolist())
 
 
 def _correction(self: SzilvasiNagyPatch, b: ArrayLike) -> Array:
@@ -328,9 +322,10 @@ def _slope_correction(self: SzilvasiNagyPatch, b: ArrayLike) -> Array:
 def _parameters(t: ArrayLike) -> Array:
     t = np.atleast_1d(np.asarray(t, dtype=np.float64))
     if t.ndim != 1:
-        raise ValueError(f"t must have shape (k,), not {t.shape}")
-    if not ((t >= 0) & (t <= 1)).all():
-        raise ValueError("t must lie in [0, 1]")
+        raise wrong_shape("t", "(k,)", t.shape)
+    outside = ~((t >= 0) & (t <= 1))
+    if outside.any():
+        raise out_of_range("t", float(t[outside][0]), 0, 1)
     return np.ascontiguousarray(t)
 
 
@@ -360,11 +355,12 @@ def _from_functions(
         q: the second derivative across, in the direction of r, for continuity of curvature (only its part along the normal
             counts). None: not known.
     """
-    if not all(callable(f) for f in ([c, dc, r] if q is None else [c, dc, r, q])):
-        raise TypeError("c, dc, r and q must be functions of t")
+    for name, function in (("c", c), ("dc", dc), ("r", r), ("q", q)):
+        if not callable(function) and not (name == "q" and q is None):
+            raise wrong_type(name, "Callable", function)
     t = np.zeros(0) if rim is None else np.asarray(rim, dtype=np.float64)
     if rim is not None and not (t.ndim == 1 and len(t) > 1 and t[0] == 0 and t[-1] == 1 and (np.diff(t) > 0).all()):
-        raise ValueError("rim must be numbers that rise from 0 to 1")
+        raise ValueError(Message("not_increasing", {"name": "rim"}))
     return Side._from_functions(c, dc, r, t.tolist(), q)
 
 
@@ -375,10 +371,7 @@ def _part(self: Side, start: float, end: float) -> Side:
     Raises:
         ValueError: parameters that are equal or out of range.
     """
-    for name, value in (("start", start), ("end", end)):
-        if isinstance(value, bool) or not isinstance(value, numbers.Real):
-            raise TypeError(f"{name} must be a number, not {value!r}")
-    return self._part(float(start), float(end))
+    return self._part(real(start, "start"), real(end, "end"))
 
 
 def _as_dict(self: Report) -> dict[str, Any]:

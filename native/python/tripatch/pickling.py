@@ -6,6 +6,7 @@ from typing import Any
 
 from . import _native
 from ._native import BezierRectangle, BezierTriangle, Patch, RectangleSurface, Report, Side
+from .messages import Message
 
 
 def remade(function: str, *arguments: Any) -> Any:
@@ -24,7 +25,7 @@ def _reduce(self: Any) -> tuple[Any, ...]:
         return type(self), (self.net,)
     recipe = vars(self).get("_recipe")
     if recipe is None:
-        raise TypeError(f"a {type(self).__name__} that was not made by TriPatch's functions cannot be pickled")
+        raise TypeError(Message("not_picklable", {"type": type(self).__name__}))
     made: tuple[Any, ...] = recipe() if callable(recipe) else recipe
     return made
 

@@ -14,7 +14,8 @@ import numpy as np
 from . import _arrays, _native
 from ._native import BezierRectangle, BezierTriangle, NurbsSurface, Patch, Side
 from ._types import Array, ArrayLike, Faces
-from .errors import FillWarning
+from .errors import FillWarning, not_one_of, out_of_range, wrong_shape, wrong_type
+from .messages import Message
 from .pickling import remade
 
 _KINDS = {name: getattr(_native.CoonsKind, name) for name in ("discrete", "extremal", "extremal_symmetric", "mask", "permanence")}
@@ -23,9 +24,9 @@ _CURVES = {name: getattr(_native.NormalCurve, name) for name in ("hermite", "smi
 
 def _named(value: Any, name: str, allowed: dict[str, Any]) -> Any:
     if not isinstance(value, str):
-        raise TypeError(f"{name} must be a name, not {type(value).__name__}")
+        raise wrong_type(name, "str", value)
     if value not in allowed:
-        raise ValueError(f"{name} must be one of {', '.join(allowed)}, not {value!r}")
+        raise not_one_of(name, value, allowed)
     return allowed[value]
 
 
@@ -35,27 +36,23 @@ _LARGEST = 2**31 - 1
 
 def _whole(value: Any, name: str) -> int:
     if isinstance(value, bool) or not isinstance(value, numbers.Integral):
-        raise TypeError(f"{name} must be a whole number, not {value!r}")
+        raise wrong_type(name, "int", value)
     return max(-_LARGEST, min(int(value), _LARGEST))
 
 
-def _number(value: Any, name: str) -> float:
+def real(value: Any, name: str) -> float:
+    """A number, but not True or False."""
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        raise TypeError(f"{name} must be a number, not {value!r}")
+        raise wrong_type(name, "float", value)
     return float(value)
 
 
 def _numbers(value: Any, name: str, dimensions: int, last: int | None = None) -> Array:
     """A float64 array of so many dimensions, the last of this length."""
     shape = "(" + ", ".join(["m", "n"][: dimensions - (last is not None)] + ([str(last)] if last else [])) + ")"
-    try:
-        a = np.asarray(value)
-    except ValueError:
-        raise ValueError(f"{name} must have shape {shape}; its rows differ in length") from None
-    if a.dtype.kind not in "fiu":
-        raise TypeError(f"{name} must be an array of numbers, not of {a.dtype}")
+    a = _arrays.numbers(value, name, shape)
     if a.ndim != dimensions or (last is not None and a.shape[-1] != last):
-        raise ValueError(f"{name} must have shape {shape}, not {a.shape}")
+        raise wrong_shape(name, shape, a.shape)
     return np.ascontiguousarray(a, dtype=np.float64)
 
 
@@ -93,7 +90,7 @@ def _nurbs(points: ArrayLike, weights: ArrayLike | None, knots_u: ArrayLike, kno
     p = _numbers(points, "points", 3, 3)
     w: Any = [] if weights is None else _numbers(weights, "weights", 2)
     if weights is not None and w.shape != p.shape[:2]:
-        raise ValueError(f"weights must have shape {p.shape[:2]}, not {w.shape}")
+        raise wrong_shape("weights", str(p.shape[:2]), w.shape)
     return p, np.ravel(w).tolist(), _numbers(knots_u, "knots_u", 1).tolist(), _numbers(knots_v, "knots_v", 1).tolist()
 
 
@@ -107,9 +104,9 @@ def _side(surface: Any, edge: int, reversed: bool = False) -> Any:
         reversed: the other direction along the edge; there the side's normal is the surface's own (S_u x S_v).
     """
     if not isinstance(surface, (BezierTriangle, _native.RectangleSurface)):
-        raise TypeError(f"a side is made from a BezierTriangle, BezierRectangle or NurbsSurface, not {type(surface).__name__}")
+        raise wrong_type("surface", "BezierTriangle | BezierRectangle | NurbsSurface", surface)
     if not isinstance(reversed, (bool, np.bool_)):
-        raise TypeError("reversed must be True or False")
+        raise wrong_type("reversed", "bool", reversed)
     return surface, _whole(edge, "edge"), bool(reversed)
 
 
@@ -127,14 +124,14 @@ def _derivative(self: BezierTriangle, direction: ArrayLike) -> BezierTriangle:
     """The derivative in a direction (d0, d1, d2) of the domain, summing to 0: a Bezier triangle of one degree less."""
     d = _numbers(direction, "direction", 1)
     if d.shape != (3,) or abs(d.sum()) > _SUM * np.abs(d).max(initial=0):
-        raise ValueError("direction must be three numbers that sum to 0")
+        raise ValueError(Message("sum_not_zero", {"name": "direction"}))
     return self._derivative(d.tolist())
 
 
 def _triangle_side(self: BezierTriangle, i: int) -> Array:
     """(n + 1, 3) control points of side i, from corner i + 1 to corner i + 2."""
     if not 0 <= _whole(i, "i") <= 2:
-        raise ValueError(f"a triangle has sides 0 to 2, not {i}")
+        raise out_of_range("i", i, 0, 2)
     return self._side(i)
 
 
@@ -149,12 +146,13 @@ def _evaluate(self: _native.RectangleSurface, uv: ArrayLike, derivatives: int = 
         P (k, 3); with derivatives the tuple (P, D1 (k, 2, 3), D2 (k, 3, 3) in the order uu, uv, vv, D3 (k, 4, 3)).
     """
     if not 0 <= _whole(derivatives, "derivatives") <= 3:
-        raise ValueError(f"derivatives must be from 0 to 3, not {derivatives}")
+        raise out_of_range("derivatives", derivatives, 0, 3)
     at = _numbers(uv, "uv", 2, 2)
     u0, u1, v0, v1 = self.domain
     outside = ~((at >= (u0, v0)) & (at <= (u1, v1))).all(axis=1)
     if outside.any():
-        raise ValueError(f"uv[{int(np.argmax(outside))}] lies outside the domain [{u0}, {u1}] x [{v0}, {v1}]")
+        ends = {name: f"{end:g}" for name, end in (("u0", u0), ("u1", u1), ("v0", v0), ("v1", v1))}
+        raise ValueError(Message("outside_domain", {"name": f"uv[{int(np.argmax(outside))}]", **ends}))
     return self._evaluate(at, int(derivatives))
 
 
@@ -184,13 +182,13 @@ def triangle_on(surface: BezierRectangle | NurbsSurface, corners: ArrayLike, mov
         moved: (3, 3) by how much each corner is moved, and linearly what lies between; None: not at all.
     """
     if not isinstance(surface, _native.RectangleSurface):
-        raise TypeError(f"surface must be a BezierRectangle or a NurbsSurface, not {type(surface).__name__}")
+        raise wrong_type("surface", "BezierRectangle | NurbsSurface", surface)
     at = _numbers(corners, "corners", 2, 2)
     if len(at) != 3:
-        raise ValueError(f"corners must have shape (3, 2), not {at.shape}")
+        raise wrong_shape("corners", "(3, 2)", at.shape)
     by = np.zeros((3, 3)) if moved is None else _arrays.points(moved, "moved", finite=True)
     if len(by) != 3:
-        raise ValueError(f"moved must have shape (3, 3), not {by.shape}")
+        raise wrong_shape("moved", "(3, 3)", by.shape)
     made: Patch = remade("_triangle_on", surface, at.tolist(), by.tolist())
     return made
 
@@ -233,9 +231,9 @@ def surface_of(function: Callable[[Array], Any], name: str = "function") -> Bezi
     for degree in _DEGREES:
         b, values = sampled(degree)
         if values.shape != b.shape:
-            raise ValueError(f"{name}(b) must return an array of shape (k, 3) for b of shape (k, 3)")
+            raise wrong_shape(f"{name}(b)", str(b.shape), values.shape)
         if not np.isfinite(values).all():
-            raise ValueError(f"{name}(b) is not finite everywhere")
+            raise ValueError(Message("not_finite", {"name": f"{name}(b)"}))
         net = np.linalg.lstsq(_bernstein(degree, b), values, rcond=None)[0]
         between, expected = sampled(degree + 1)
         extent = np.ptp(values, axis=0).max()
@@ -243,7 +241,7 @@ def surface_of(function: Callable[[Array], Any], name: str = "function") -> Bezi
         if off <= _NEAR * extent:
             break
     if not off <= _FAR * extent:
-        raise ValueError(f"{name} is no smooth function: a polynomial of degree {degree} is off by {off:.2g}")
+        raise ValueError(Message("not_smooth", {"name": name, "degree": degree, "off": float(off)}))
     return BezierTriangle(net)
 
 
@@ -251,7 +249,7 @@ def _corners_and_normals(points: ArrayLike, normals: ArrayLike) -> tuple[Array, 
     p, n = _numbers(points, "points", 2, 3), _numbers(normals, "normals", 2, 3)
     for name, a in (("points", p), ("normals", n)):
         if len(a) != 3:
-            raise ValueError(f"{name} must have shape (3, 3), not {a.shape}")
+            raise wrong_shape(name, "(3, 3)", a.shape)
     return p, n
 
 
@@ -298,9 +296,9 @@ def coons_bezier(boundary: Sequence[Any], kind: str = "discrete", alpha: float |
     """
     given = tuple(boundary)
     if len(given) != 3:
-        raise ValueError(f"boundary must be three curves, not {len(given)}")
+        raise ValueError(Message("wrong_count", {"name": "boundary", "count": 3, "given": len(given)}))
     curves = [_numbers(c, f"boundary[{i}]", 2, 3) for i, c in enumerate(given)]
-    value = None if alpha is None else _number(alpha, "alpha")
+    value = None if alpha is None else real(alpha, "alpha")
     triangle, notes = _native._coons_bezier(curves, _named(kind, "kind", _KINDS), value)
     for note in notes:
         warnings.warn(FillWarning(note), stacklevel=2)
@@ -318,8 +316,8 @@ def coons_rectangle(boundary: BezierRectangle, alpha: float | None = None) -> Be
         A `BezierRectangle` with the same boundary.
     """
     if not isinstance(boundary, BezierRectangle):
-        raise TypeError("boundary must be a BezierRectangle")
-    return _native._coons_rectangle(boundary, None if alpha is None else _number(alpha, "alpha"))
+        raise wrong_type("boundary", "BezierRectangle", boundary)
+    return _native._coons_rectangle(boundary, None if alpha is None else real(alpha, "alpha"))
 
 
 def coons_energy(surface: BezierTriangle | BezierRectangle, symmetric: bool = False) -> float:
@@ -330,7 +328,7 @@ def coons_energy(surface: BezierTriangle | BezierRectangle, symmetric: bool = Fa
         symmetric: over the triangle: summed over the three pairs of coordinates.
     """
     if not isinstance(surface, (BezierTriangle, BezierRectangle)):
-        raise TypeError("surface must be a BezierTriangle or a BezierRectangle")
+        raise wrong_type("surface", "BezierTriangle | BezierRectangle", surface)
     return _native._coons_energy(surface, bool(symmetric))
 
 
@@ -360,7 +358,7 @@ def smooth_triangles(
     if normals is not None:
         given = _arrays.points(normals, "normals")
         if len(given) != len(v):
-            raise ValueError(f"normals must have shape ({len(v)}, 3), not {given.shape}")
+            raise wrong_shape("normals", f"({len(v)}, 3)", given.shape)
     return _native._smooth_triangles(
         v, offsets, corners, given, _whole(resolution, "resolution"), _named(curve, "curve", _CURVES), False
     )

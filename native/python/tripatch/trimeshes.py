@@ -16,6 +16,7 @@ from .charts import SAME
 from .files.continued import Continued
 from .files.mesh_file import MeshFile
 from .filling import Fill
+from .messages import Message
 
 
 def is_one(mesh: Any) -> bool:
@@ -185,7 +186,7 @@ class _Filled:
 def filled(mesh: Any, welded: Welded, fills: Sequence[Fill], joined: Joined | None = None) -> Any:
     """A trimesh.Trimesh with its colors or texture, normals and attributes. joined: what joining borders changes in it."""
     if any(len(fill.split_edges[0]) for fill in fills):
-        raise ValueError("a Trimesh holds triangles, and one with a split edge is none; use odd='triangle'")
+        raise ValueError(Message("mesh_of_triangles"))
     if not fills and not joined:
         return mesh.copy()
     whole = _Filled(mesh, welded, fills, joined)

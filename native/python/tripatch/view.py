@@ -9,9 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from . import arguments, files, quality
+from . import _arrays, arguments, files, quality
 from ._types import Array, ArrayLike
 from .canvas import Canvas, png
+from .errors import out_of_range, wrong_shape
+from .files.writing import unwritable
 from .messages import Message
 
 _BACKGROUND = (0.22, 0.22, 0.23)
@@ -97,13 +99,14 @@ def picture(
     vertices = np.asarray(vertices, dtype=np.float64)
     triangles, of_face = quality.triangulated(faces, vertices)
     if not len(triangles):
-        raise ValueError("There is no face to draw")
+        raise ValueError(Message("nothing_given", {"name": "faces"}))
     edges = np.array([pair for rim in rims for pair in zip(rim, [*rim[1:], rim[0]])], dtype=np.int64).reshape(-1, 2)
     if len(edges) and not (0 <= edges.min() and edges.max() < len(vertices)):
-        raise ValueError(f"rim names vertices that are not there: the mesh has {len(vertices)}")
+        lowest, highest = int(edges.min()), int(edges.max())
+        raise _arrays.no_such_vertex("rim", lowest if lowest < 0 else highest, len(vertices))
     known = None if deviation is None else np.asarray(deviation, dtype=np.float64)
     if kind == "deviation" and (known is None or known.shape != (len(vertices),)):
-        raise ValueError(f"deviation must be {len(vertices)} numbers, one for each vertex")
+        raise wrong_shape("deviation", f"({len(vertices)},)", None if known is None else known.shape)
     width, height = (_FINER * int(n) for n in size)
     canvas = Canvas(vertices, toward, width, height)
     canvas.draw(triangles)
@@ -136,9 +139,9 @@ def _numbers(count: int | None = None, kind: Callable[[str], Any] = float) -> Ca
         try:
             values = [kind(part) for part in text.split(",")]
         except ValueError:
-            raise argparse.ArgumentTypeError(f"numbers with commas between them, not {text!r}") from None
-        if count and len(values) != count:
-            raise argparse.ArgumentTypeError(f"{count} numbers, not {len(values)}")
+            values = []
+        if len(values) != (count or max(len(values), 1)):
+            raise arguments.unreadable(text, ",".join("123"[: count or 3]))
         return values
 
     return parse
@@ -181,18 +184,20 @@ def run(args: argparse.Namespace) -> int:
     """Draws what the command line asks for; returns the exit status."""
     args.out = arguments.out_of(args)
     if args.out.suffix.lower() != ".png":
-        raise ValueError(f"Pictures are PNG files; give {args.out} a name that ends in .png")
+        raise ValueError(Message("wrong_suffix", {"path": str(args.out), "suffix": ".png"}))
     mesh = files.read(args.input)
-    if min(args.size) < 1 or not any(args.toward) or not any(args.direction):
-        raise ValueError("--size must be positive, --from and --direction must not be zero")
-    if not np.isfinite([*args.toward, *args.direction, args.lines]).all():
-        raise ValueError("--from, --direction and --lines must be finite")
+    if min(args.size) < 1:
+        raise out_of_range("--size", min(args.size), 1)
+    for name, values in (("--from", args.toward), ("--direction", args.direction), ("--lines", [args.lines])):
+        if not np.isfinite(values).all():
+            raise ValueError(Message("not_finite", {"name": name}))
+        if len(values) == 3 and not any(values):
+            raise ValueError(Message("zero_vector", {"name": name}))
     if args.max is not None and not 0 < args.max < np.inf:
-        raise ValueError(f"--max must be greater than 0 and finite, not {args.max:g}")
+        raise out_of_range("--max", args.max, 0, is_open=True)
     deviation = mesh.deviation if args.kind == "deviation" else None
     if args.kind == "deviation" and deviation is None:
-        said = "has no error estimates; tripatch fill IN OUT.ply --deviation writes them"
-        raise ValueError(f"{args.input} {said}")
+        raise ValueError(Message("no_estimates_in_file", {"path": str(args.input)}))
     image, told = picture(
         mesh.vertices,
         mesh.faces,
@@ -209,7 +214,7 @@ def run(args: argparse.Namespace) -> int:
     try:
         args.out.write_bytes(png(image))
     except OSError as error:
-        raise files.FileError(f"{args.out} cannot be written: {error.strerror or error}") from error
+        raise unwritable(args.out, error) from error
     if not args.quiet:
         print(f"{args.out}: {told}")
     return 0

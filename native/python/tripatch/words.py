@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from ._native import Report
@@ -15,12 +14,6 @@ def counted(number: int, word: str) -> str:
     """'1 hole', '2 holes' or '2 vertices'."""
     plural = f"{word[:-2]}ices" if word.endswith("vertex") else f"{word}s"
     return f"{number} {word if number == 1 else plural}"
-
-
-def suggested(word: str, known: Iterable[object]) -> str:
-    """'. Did you mean --rim?', or nothing."""
-    near = difflib.get_close_matches(word, [str(each) for each in known], n=1)
-    return f". Did you mean {near[0]}?" if near else ""
 
 
 def degrees(angle: float) -> str:

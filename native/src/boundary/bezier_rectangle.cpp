@@ -34,16 +34,15 @@ BezierRectangle::BezierRectangle(Points net, int degree_u, int degree_v)
     : degree_u_(degree_u), degree_v_(degree_v), net_(std::move(net)) {
   for (int degree : {degree_u, degree_v})
     if (degree < 1 || degree > max_rectangle_degree)
-      throw InvalidArgument("The degrees of a Bezier rectangle are from 1 to " + std::to_string(max_rectangle_degree) + ", not " +
-                            std::to_string(degree));
+      throw CodedArgument(Code::out_of_range, {{"name", "degree"}, {"from", 1}, {"to", max_rectangle_degree}, {"value", degree}});
   if (net_.rows() != Index(degree_u + 1) * (degree_v + 1))
     throw InvalidArgument("A Bezier rectangle of degrees " + std::to_string(degree_u) + " and " + std::to_string(degree_v) +
                           " has " + std::to_string((degree_u + 1) * (degree_v + 1)) + " points, not " +
                           std::to_string(net_.rows()));
   for (Index k = 0; k < net_.rows(); ++k)
     if (!net_.row(k).allFinite())
-      throw InvalidArgument("Control point (" + std::to_string(k / (degree_v + 1)) + ", " + std::to_string(k % (degree_v + 1)) +
-                            ") is not finite");
+      throw CodedArgument(Code::not_finite, {{"name", "net[" + std::to_string(k / (degree_v + 1)) + ", " +
+                                                          std::to_string(k % (degree_v + 1)) + "]"}});
 }
 
 void BezierRectangle::evaluate(const double* uv, Index n, int order, double* out) const {
@@ -61,7 +60,7 @@ void BezierRectangle::evaluate(const double* uv, Index n, int order, double* out
 }
 
 Side BezierRectangle::side(int edge, bool reversed) const {
-  if (edge < 0 || edge > 3) throw InvalidArgument("A rectangle has edges 0 to 3, not " + std::to_string(edge));
+  if (edge < 0 || edge > 3) throw CodedArgument(Code::out_of_range, {{"name", "edge"}, {"from", 0}, {"to", 3}, {"value", edge}});
   const bool along_u = edge % 2 == 0;
   const int along = along_u ? degree_u_ : degree_v_, across = along_u ? degree_v_ : degree_u_;
   // Point k along the edge, `deep` rows inside.

@@ -97,9 +97,7 @@ public:
 private:
   static void check_vertices(const Subdivision& settings, Index count) {
     const auto check = [&](Index v, const char* option) {
-      if (v < 0 || v >= count)
-        throw InvalidArgument(std::string(option) + " names vertex " + std::to_string(v) +
-                              ", which does not exist: the mesh has " + std::to_string(count) + " vertices");
+      if (v < 0 || v >= count) throw CodedArgument(Code::no_such_vertex, {{"option", option}, {"vertex", v}, {"count", count}});
     };
     for (const auto& [a, b] : settings.crease_edges) check(a, "edge_creases"), check(b, "edge_creases");
     for (Index v : settings.crease_vertices) check(v, "vertex_creases");

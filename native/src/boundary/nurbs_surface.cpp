@@ -17,25 +17,23 @@ constexpr double fit_tolerance = 1e-13;  ///< of pieces that are fitted, of thei
 int degree_of(const std::vector<double>& knots, Index count, const char* axis) {
   const std::string name = std::string("knots_") + axis;
   const Index degree = static_cast<Index>(knots.size()) - count - 1;
-  if (count < 2) throw InvalidArgument(std::string("A NURBS surface needs two or more points in ") + axis);
-  if (degree < 1 || degree >= count)
-    throw InvalidArgument(name + " has " + std::to_string(knots.size()) + " knots; " + std::to_string(count) +
-                          " points need from " + std::to_string(count + 2) + " (degree 1) to " + std::to_string(2 * count) +
-                          " (degree " + std::to_string(count - 1) + ")");
-  if (degree > max_rectangle_degree)
-    throw InvalidArgument(name + " gives degree " + std::to_string(degree) + "; the highest is " +
-                          std::to_string(max_rectangle_degree));
+  if (count < 2)
+    throw CodedArgument(Code::out_of_range, {{"name", std::string("points in ") + axis}, {"least", 2}, {"value", count}});
+  const Index max_degree = std::min<Index>(count - 1, max_rectangle_degree);
+  if (degree < 1 || degree > max_degree)
+    throw CodedArgument(
+        Code::out_of_range,
+        {{"name", "len(" + name + ")"}, {"from", count + 2}, {"to", count + 1 + max_degree}, {"value", knots.size()}});
   for (std::size_t k = 0; k < knots.size(); ++k) {
-    if (!std::isfinite(knots[k])) throw InvalidArgument(name + "[" + std::to_string(k) + "] is not finite");
-    if (k > 0 && knots[k] < knots[k - 1]) throw InvalidArgument(name + " decreases at " + std::to_string(k));
+    if (!std::isfinite(knots[k])) throw CodedArgument(Code::not_finite, {{"name", name + "[" + std::to_string(k) + "]"}});
+    if (k > 0 && knots[k] < knots[k - 1]) throw CodedArgument(Code::knots_decrease, {{"name", name}, {"place", k}});
   }
-  if (!(knots[count] > knots[degree]))
-    throw InvalidArgument(name + " leaves no domain: knot " + std::to_string(degree) + " is not below knot " +
-                          std::to_string(count));
+  const auto repeats = [&](Index k) {
+    return CodedArgument(Code::knots_repeat, {{"name", name}, {"knot", k}, {"degree", degree}});
+  };
+  if (!(knots[count] > knots[degree])) throw repeats(degree);
   for (Index k = degree + 1; k + degree < count; ++k)
-    if (knots[k] == knots[k + degree] && knots[k] > knots[degree] && knots[k] < knots[count])
-      throw InvalidArgument(name + " tears the surface: knot " + std::to_string(k) + " is repeated more than " +
-                            std::to_string(degree) + " times");
+    if (knots[k] == knots[k + degree] && knots[k] > knots[degree] && knots[k] < knots[count]) throw repeats(k);
   return static_cast<int>(degree);
 }
 
@@ -62,10 +60,11 @@ NurbsSurface::NurbsSurface(Points points, Index count_u, Index count_v, std::vec
   axis_[1].degree = degree_of(axis_[1].knots, count_v, "v");
   homogeneous_.resize(points.rows(), 4);
   for (Index k = 0; k < points.rows(); ++k) {
-    const std::string at = std::string("(") + std::to_string(k / count_v) + ", " + std::to_string(k % count_v) + ")";
-    if (!points.row(k).allFinite()) throw InvalidArgument("Control point " + at + " is not finite");
-    if (!(weights[k] > 0) || !std::isfinite(weights[k]))
-      throw InvalidArgument("Weight " + at + " must be greater than 0, not " + std::to_string(weights[k]));
+    const std::string at = "[" + std::to_string(k / count_v) + ", " + std::to_string(k % count_v) + "]";
+    if (!points.row(k).allFinite()) throw CodedArgument(Code::not_finite, {{"name", "points" + at}});
+    if (!std::isfinite(weights[k])) throw CodedArgument(Code::not_finite, {{"name", "weights" + at}});
+    if (!(weights[k] > 0))
+      throw CodedArgument(Code::out_of_range, {{"name", "weights" + at}, {"above", 0}, {"value", weights[k]}});
     if (weights[k] != weights[0]) rational_ = true;
   }
   for (Index k = 0; k < points.rows(); ++k) {

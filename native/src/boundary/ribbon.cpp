@@ -26,9 +26,9 @@ constexpr double turns_back = 179;
 /// floor is taken, from the second on none. A choice between the two.
 constexpr double round_opening = 0.1, straight_opening = 0.4;
 
-/// How much of the floor a triangle's corner takes. A triangle may be obtuse and turn little and still be an affine image of a plain
-/// one, which has to keep its alpha (Theorem 2): what `opening` tells apart, the area that the two tangents span over that of the
-/// chords: 1 for straight sides, 0 on a round rim.
+/// How much of the floor a triangle's corner takes. An obtuse triangle may turn little and still be an affine image of a plain
+/// one, which keeps its alpha (Theorem 2). `opening` tells the two apart: the area that the two tangents span, over that of the
+/// chords. It is 1 for straight sides and 0 on a round rim.
 double triangle_floor_share(double turn_deg, double opening) {
   return floor_share(turn_deg) * fading(opening, round_opening, straight_opening);
 }

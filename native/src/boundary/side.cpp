@@ -72,10 +72,9 @@ Vec3 Side::normal(double t) const { return r(t).cross(c.derivative_at(t)).stable
 
 Side piece_of(const Side& side, double from, double to) {
   const double low = std::min(from, to), high = std::max(from, to);
-  if (!(low >= 0 && low < 1 && high > low && high <= low + 1))
-    throw InvalidArgument("A piece of a side needs two different parameters from 0 to 1");
-  if (high > 1 && (side.c(1) - side.c(0)).norm() > sides_meet * (side.c(0.5) - side.c(0)).norm())
-    throw InvalidArgument("Only a piece of a closed side can go on beyond its end");
+  const auto is_closed = [&] { return (side.c(1) - side.c(0)).norm() <= sides_meet * (side.c(0.5) - side.c(0)).norm(); };
+  if (!(low >= 0 && low < 1 && high > low && high <= low + 1) || (high > 1 && !is_closed()))
+    throw CodedArgument(Code::not_a_piece, {});
   const auto field = [&](const PiecewisePolynomial& f) {
     if (f.empty()) return f;
     const PiecewisePolynomial piece = high <= 1
@@ -114,13 +113,6 @@ Sides told_by_rim(const Sides& sides, const std::array<bool, 3>& continued) {
   std::vector<Side> all =
       told_by_rim(std::vector<Side>(sides.begin(), sides.end()), std::vector<bool>(continued.begin(), continued.end()));
   return {std::move(all[0]), std::move(all[1]), std::move(all[2])};
-}
-
-std::string gap_at_corner(int corner, double gap) {
-  std::ostringstream text;
-  text.precision(3);
-  text << "do not meet at corner " << corner << ": the gap is " << gap;
-  return text.str();
 }
 
 double check_curves(const std::array<PiecewisePolynomial, 3>& curves) {

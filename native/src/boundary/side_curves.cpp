@@ -78,10 +78,10 @@ Vec3 carried(const Vec3& v, const Vec3& from, const Vec3& to) {
   return v + axis.cross(v) + axis.cross(axis.cross(v)) / std::max(1 + from.dot(to), 1e-12);
 }
 
-/// The cross derivative to be read at each vertex of a side with normals n and derivatives dc: one unit across, and along it as
-/// much as the corners' own cross derivatives have, mixed, so that alpha and beta of the ribbons, which are linear, need not undo
-/// along the side what r does there. Where the rim faces one way, `up`, mixed as they are and laid into the planes along it, as in
-/// a graph's own chart (graph = 1); elsewhere carried along the side (graph = 0).
+/// The cross derivative to be read at each vertex of a side with normals n and derivatives dc. It has unit length across the
+/// side. Along the side it mixes what the cross derivatives at the corners have, so that the linear alpha and beta of the ribbons
+/// need not undo it. Where the rim faces one way, `up`, mixed as they are and laid into the planes along it, as in a graph's own
+/// chart (graph = 1); elsewhere carried along the side (graph = 0).
 std::vector<Vec3> cross_derivatives(const std::vector<double>& t, const std::vector<Vec3>& n, const std::vector<Vec3>& dc,
                                     const Vec3& start, const Vec3& end, const Vec3& up, double graph) {
   const std::size_t last = n.size() - 1;

@@ -70,7 +70,7 @@ CageFill::CageFill(const Mesh& mesh, const Connectivity& left, std::vector<Sided
       energies_(holes_.size()),
       harm_(holes_.size()) {
   if (settings.loop && layout_options_.rows.value_or(0) > 0)
-    throw InvalidArgument("a cage of triangles follows the rim: resolution must be 0 or none");
+    throw CodedArgument(Code::triangle_cage_has_no_rows, {{"option", "resolution"}});
   if (settings.loop)
     for (const SidedRim& hole : holes_)
       if (!hole.is_triangle()) throw CodedRefusal(Code::loop_cage_needs_three_corners);

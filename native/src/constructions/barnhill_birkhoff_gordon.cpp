@@ -71,9 +71,9 @@ public:
 
 private:
   /// What a loft misses on side i, carried along the lines on which `across` (j or k) is constant. At one end of the side those
-  /// lines approach the neighboring side `across` = 0, which must not be disturbed: a slope, a cross derivative or a twist of the
-  /// residual there is what the two sides' data disagree about, and is let in by the weight across^2 / (b_i^2 + across^2), 1 on
-  /// side i and 0 on the neighbor, with its first derivatives. For data that agree those terms vanish.
+  /// lines approach the neighboring side `across` = 0, which must not be disturbed. There a slope, a cross derivative or a twist
+  /// of the residual is what the data of the two sides disagree about. It is let in by the weight across^2 / (b_i^2 + across^2),
+  /// 1 on side i and 0 on the neighbor, with its first derivatives. For data that agree those terms vanish.
   struct Residual {
     PiecewisePolynomial value, inwards;  ///< the residual and its derivative along the line, without the parts below
     PiecewisePolynomial rough_value, rough_inwards;

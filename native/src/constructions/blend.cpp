@@ -69,12 +69,14 @@ private:
 
 SurfacePtr rational_triangle(const Points& net, const std::vector<double>& weights) {
   if (static_cast<Index>(weights.size()) != net.rows())
-    throw InvalidArgument("There must be a weight for each of the " + std::to_string(net.rows()) + " points, not " +
-                          std::to_string(weights.size()));
+    throw CodedArgument(Code::wrong_shape, {{"name", "weights"},
+                                            {"shape", "(" + std::to_string(net.rows()) + ",)"},
+                                            {"given", "(" + std::to_string(weights.size()) + ",)"}});
   Points weighted = net, below = Points::Zero(net.rows(), 3);
   for (Index k = 0; k < net.rows(); ++k) {
-    if (!(weights[k] > 0) || !std::isfinite(weights[k]))
-      throw InvalidArgument("Weight " + std::to_string(k) + " must be a number above 0");
+    const std::string name = "weights[" + std::to_string(k) + "]";
+    if (!std::isfinite(weights[k])) throw CodedArgument(Code::not_finite, {{"name", name}});
+    if (!(weights[k] > 0)) throw CodedArgument(Code::out_of_range, {{"name", name}, {"above", 0}, {"value", weights[k]}});
     weighted.row(k) *= weights[k];
     below(k, 0) = weights[k];
   }
@@ -86,7 +88,7 @@ SurfacePtr triangle_on(std::shared_ptr<const RectangleSurface> surface, const st
   const auto [from_u, to_u, from_v, to_v] = surface->domain();
   for (const Vec2& corner : corners)
     if (!(corner[0] >= from_u && corner[0] <= to_u && corner[1] >= from_v && corner[1] <= to_v))
-      throw InvalidArgument("A corner of the triangle lies outside the domain of the surface");
+      throw CodedArgument(Code::outside_domain, {{"name", "corners"}});
   return std::make_shared<TriangleOn>(std::move(surface), corners, moved);
 }
 std::vector<double> feet(const double* b, Index n, int i, const Vec3& direction) {
@@ -103,7 +105,7 @@ std::array<Vec3, 3> common_corners(const std::array<SurfacePtr, 3>& surfaces) {
   for (int i = 0; i < 3; ++i) {
     if (!surfaces[i]) throw InvalidArgument("surface " + std::to_string(i) + " is missing");
     at[i] = surfaces[i]->positions(vertices);
-    if (!at[i].allFinite()) throw InvalidArgument("surface " + std::to_string(i) + " is not finite at its corners");
+    if (!at[i].allFinite()) throw CodedArgument(Code::not_finite, {{"name", "r" + std::to_string(i)}});
     for (int k = 0; k < 3; ++k) size = std::max(size, (at[i].row(k) - at[i].row((k + 1) % 3)).norm());
   }
   std::array<Vec3, 3> corners;
@@ -111,7 +113,8 @@ std::array<Vec3, 3> common_corners(const std::array<SurfacePtr, 3>& surfaces) {
     const int a = (k + 1) % 3, b = (k + 2) % 3;  // the two surfaces that carry the sides at corner k
     const double gap = (at[a].row(k) - at[b].row(k)).norm();
     if (!(gap <= sides_meet * size))
-      throw InvalidArgument("surfaces " + std::to_string(a) + " and " + std::to_string(b) + " " + gap_at_corner(k, gap));
+      throw CodedArgument(Code::surfaces_apart,
+                          {{"first", "r" + std::to_string(a)}, {"second", "r" + std::to_string(b)}, {"corner", k}, {"gap", gap}});
     corners[k] = at[a].row(k);
   }
   return corners;

@@ -199,26 +199,28 @@ Points bezier_side(const Ribbon& ribbon, int i, double size) {
 void check(const BoundaryCurves& boundary) {
   double size = 0;
   for (int i = 0; i < 3; ++i) {
-    if (boundary[i].rows() == 0) throw InvalidArgument("Boundary curve " + std::to_string(i) + " has no control points");
+    const std::string name = "boundary[" + std::to_string(i) + "]";
+    if (boundary[i].rows() == 0)
+      throw CodedArgument(Code::out_of_range, {{"name", "len(" + name + ")"}, {"least", 1}, {"value", 0}});
     if (boundary[i].rows() != boundary[0].rows())
-      throw InvalidArgument("The boundary curves must have one degree: curve " + std::to_string(i) + " has " +
-                            std::to_string(boundary[i].rows()) + " control points, curve 0 has " +
-                            std::to_string(boundary[0].rows()));
+      throw CodedArgument(Code::wrong_shape, {{"name", name},
+                                              {"shape", "(" + std::to_string(boundary[0].rows()) + ", 3)"},
+                                              {"given", "(" + std::to_string(boundary[i].rows()) + ", 3)"}});
     for (Index k = 0; k < boundary[i].rows(); ++k)
       if (!boundary[i].row(k).allFinite())
-        throw InvalidArgument("Control point " + std::to_string(k) + " of boundary curve " + std::to_string(i) +
-                              " is not finite");
+        throw CodedArgument(Code::not_finite, {{"name", name + "[" + std::to_string(k) + "]"}});
     size = std::max(size, (boundary[i].rowwise() - boundary[0].row(0)).cwiseAbs().maxCoeff());
   }
   const Index n = boundary[0].rows() - 1;
   if (n > max_boundary_degree)
-    throw InvalidArgument("Boundary curves may have a degree of at most " + std::to_string(max_boundary_degree) + ", not " +
-                          std::to_string(n));
+    throw CodedArgument(Code::out_of_range, {{"name", "degree"}, {"from", 0}, {"to", max_boundary_degree}, {"value", n}});
   for (int i = 0; i < 3; ++i) {
     const double gap = (boundary[i].row(n) - boundary[(i + 1) % 3].row(0)).norm();
     if (!(gap <= curves_meet * size))
-      throw InvalidArgument("Boundary curves " + std::to_string(i) + " and " + std::to_string((i + 1) % 3) + " " +
-                            gap_at_corner((i + 2) % 3, gap));
+      throw CodedArgument(Code::surfaces_apart, {{"first", "boundary[" + std::to_string(i) + "]"},
+                                                 {"second", "boundary[" + std::to_string((i + 1) % 3) + "]"},
+                                                 {"corner", (i + 2) % 3},
+                                                 {"gap", gap}});
   }
 }
 
@@ -276,8 +278,9 @@ Eigen::MatrixXd mask_equations(int degree, CoonsKind kind, double alpha) {
 
 BezierTriangle coons_bezier(const BoundaryCurves& boundary, CoonsKind kind, std::optional<double> alpha, Messages* warnings) {
   check(boundary);
-  if (alpha && kind != CoonsKind::permanence) throw InvalidArgument("alpha belongs to the permanence patches only");
-  if (alpha && !std::isfinite(*alpha)) throw InvalidArgument("alpha is not finite");
+  if (alpha && kind != CoonsKind::permanence)
+    throw CodedArgument(Code::option_needs, {{"option", "alpha"}, {"needed", "kind='permanence'"}});
+  if (alpha && !std::isfinite(*alpha)) throw CodedArgument(Code::not_finite, {{"name", "alpha"}});
   const int n = static_cast<int>(boundary[0].rows()) - 1;
   switch (kind) {
     case CoonsKind::discrete: return BezierTriangle(coons_net(boundary, 1));

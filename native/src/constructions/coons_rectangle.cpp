@@ -36,7 +36,7 @@ BezierRectangle coons_rectangle(const BezierRectangle& boundary) {
 }
 
 BezierRectangle permanence_rectangle(const BezierRectangle& boundary, double alpha) {
-  if (!std::isfinite(alpha)) throw InvalidArgument("alpha is not finite");
+  if (!std::isfinite(alpha)) throw CodedArgument(Code::not_finite, {{"name", "alpha"}});
   const int m = boundary.degree_u(), n = boundary.degree_v();
   const double beta = 0.25 - alpha;
   const Index unknowns = Index(m - 1) * (n - 1);

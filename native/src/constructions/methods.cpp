@@ -230,12 +230,12 @@ FairingBase build(const Method& method, const Sides& sides, const RibbonOptions&
 }
 
 const Method& find_method(const std::string& name) {
-  std::string names;
+  std::vector<std::string> names;
   for (const Method& method : methods()) {
     if (name == method.name) return method;
-    names += std::string(names.empty() ? "" : ", ") + method.name;
+    names.emplace_back(method.name);
   }
-  throw InvalidArgument("No method is called '" + name + "'; there are: " + names);
+  refuse_name("method", name, std::move(names));
 }
 
 }  // namespace tripatch

@@ -6,6 +6,7 @@
 
 #include "tripatch/constructions/shape_search.h"
 #include "tripatch/math/quadrature.h"
+#include "tripatch/messages.h"
 #include "tripatch/patch/bezier_triangle.h"
 #include "tripatch/patch/vertex_ray.h"
 
@@ -213,7 +214,7 @@ SzilvasiNagy::SzilvasiNagy(const std::array<SurfacePtr, 3>& surfaces, const Szil
   if (continuity_ != 0 && continuity_ != 1) throw InvalidArgument("continuity of a Szilvasi-Nagy blend must be 0 or 1");
   for (int i = 0; i < 3; ++i)
     if (!(shape_[i] > 0 && shape_[i] < 1))
-      throw InvalidArgument("shape[" + std::to_string(i) + "] must lie between 0 and 1, ends excluded");
+      throw CodedArgument(Code::out_of_range, {{"name", "shape[" + std::to_string(i) + "]"}, {"after", 0}, {"before", 1}});
   if (options.optimal) optimize(options.quadrature);
 }
 
@@ -247,7 +248,7 @@ std::array<double, 3> SzilvasiNagy::mu(const double* b) const {
 }
 
 Points SzilvasiNagy::auxiliary_curve(int i, const std::vector<double>& t) const {
-  if (i < 0 || i > 2) throw InvalidArgument("a side is 0, 1 or 2, not " + std::to_string(i));
+  if (i < 0 || i > 2) throw CodedArgument(Code::out_of_range, {{"name", "i"}, {"from", 0}, {"to", 2}, {"value", i}});
   Points b = Points::Zero(static_cast<Index>(t.size()), 3);
   for (Index k = 0; k < b.rows(); ++k) {
     b(k, (i + 1) % 3) = 1 - t[k];

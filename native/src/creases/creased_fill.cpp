@@ -26,8 +26,8 @@ using EdgeKey = std::array<Index, 2>;
 /// Vertices of a crease that its curve is fitted to, on either side: farther ones tell nothing of the hole. Of 68 holes across
 /// creases (features.cpp) none has more than 17; with twelve their fills are as near in the mean.
 constexpr Index max_of_chain = 24;
-/// New edges along a crease for each of the rim's, where no resolution asks for more: the crease is no longer than half of the rim, and
-/// where the edges at its ends are much shorter than the others the parts next to it had 60,000 triangles, of a rim of 65 edges.
+/// New edges along a crease for each edge of the rim, if no resolution is given. The crease is at most half as long as the rim.
+/// With edges as short as those at its ends a rim of 65 edges got 60,000 triangles.
 constexpr Index crease_edges_a_rim_edge = 1;
 
 /// Of an edge: a crease that passes a vertex of the rim more closely leaves parts that touch themselves there. On which side of it the vertex

@@ -52,8 +52,9 @@ constexpr double meeting_share = 0.15;
 /// Of the determinant of the sum of the projections along them, 0 for one direction: less, and lines are nearly parallel. Three lines
 /// within 1.1 degrees of one direction have that (0%, 0%).
 constexpr double min_spread = 1e-2;
-/// A rim edge continues along a crease where it leaves neither face by more than this, or than this times what the crease's own edges
-/// do, nor the crease's direction by more than 25 degrees (0%, 0%; 14%, 0%; with 51 degrees 8%, not at all 34%).
+/// A rim edge continues along a crease if it leaves neither face by more than this, or by more than this times what the edges of
+/// the crease do. Nor may it leave the direction of the crease by more than 25 degrees (0%, 0%; 14%, 0%; with 51 degrees 8%, not
+/// at all 34%).
 constexpr double in_face = 3 * one_degree, as_curved = 1.5, along_crease = 0.9;
 
 EdgePair edge_pair(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }

@@ -21,9 +21,9 @@ constexpr std::size_t share_of_shorter = 4;
 constexpr int max_on_edge = 8;
 /// The sine of the angle between two triangles of one flat face, at most: what single precision leaves of triangles 100 times as long as wide.
 constexpr double flat = 1e-4;
-/// Where edges that are half as long or longer continue from both ends of a long one, and turn there by so much (a sine: 3 degrees), whoever
-/// made the mesh makes such edges where the surface is round: a vase of few spokes and many rings. Edges that continue into short ones,
-/// as a wall's do into those of a bevel, may turn as they will.
+/// If edges at least half as long continue from both ends of a long edge and turn there by this much (a sine: 3 degrees), the
+/// mesh has such edges where its surface is round. An example is a vase of few spokes and many rings. Edges that continue into
+/// short ones, as a wall's do into those of a bevel, may turn as they will.
 constexpr double turns = 0.05;
 constexpr double as_long = 0.5;
 /// Cosine: an edge at right angles, as at the corner of a box, continues from none, whatever rounding makes of it.

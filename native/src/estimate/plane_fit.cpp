@@ -264,9 +264,9 @@ double predicted_density(const PlaneFit& fit, const FitRoom& room, const Varianc
 }
 
 /// MacKay 1992, eqs. 4.9 to 4.11: each component is the mean square of what it explains over the number of its well-determined
-/// parameters. The slopes across the rim are those of the faces next to it but for a tilt of a component of its own: where the next
-/// vertices are far, as next to a bevel of long strips, that is all there is to know them by, and its likeliest size is next to
-/// nothing. Starts from no noise, so that coarse but clean meshes are not smoothed.
+/// parameters. The slopes across the rim are those of the adjacent faces, plus a tilt with a component of its own. If the next
+/// vertices are far, as next to a bevel of long strips, nothing else determines the slopes, and the tilt is almost 0. Starts from
+/// no noise, so that coarse but clean meshes are not smoothed.
 VarianceComponents estimate_components(const std::array<std::vector<Stencil>, 3>& stencils, double radius, double bend) {
   const Floors floors = {radius, std::max(bend, min_start / (radius * radius)), bends_at_least * bend};
   bend = floors.bend;

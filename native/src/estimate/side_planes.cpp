@@ -26,8 +26,8 @@ constexpr double by_some = 0.5;  ///< without noise: a fifth; nothing where the 
 constexpr int max_compared = 3, min_compared = 2;
 /// Of the mean rim edge: a rim of a deviation of less has no noise; coarse meshes of 12 degrees an edge have 1e-3.
 constexpr double noisy_rim = 3e-3;
-/// Where there is none, a fit of r rings is known at best as well as noise like the rim's allows: its variance over the cube of r rows of
-/// faces, times this, of 1 to 30 tried on ten surfaces with noise of 0.1 to 3% of the edges the one that left the smallest errors.
+/// If the rim has no noise, a fit of r rings gets at least the variance of such noise over the cube of r rows of faces, times
+/// this factor. Of 1 to 30, tried on ten surfaces with noise of 0.1 to 3% of the edges, it left the smallest errors.
 constexpr double known_by_ring = 10;
 /// Nor better than this part of what the faces near it lean by, over the square of r: a row of them tells a plane, not how the surface
 /// bends away.

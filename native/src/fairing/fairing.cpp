@@ -94,9 +94,9 @@ private:
 }  // namespace
 
 void check_shape_options(bool faired, double tension, bool center, double center_offset) {
-  if (tension > 0 && !faired) throw InvalidArgument("tension is added to the energy of a fairing; choose one");
+  if (tension > 0 && !faired) throw CodedArgument(Code::option_needs, {{"option", "tension"}, {"needed", "fairing"}});
   if (center && center_offset != 0)
-    throw InvalidArgument("center says where the middle is, center_offset how far it moves: only one of them can be given");
+    throw CodedArgument(Code::options_exclusive, {{"first", "center"}, {"second", "center_offset"}});
 }
 
 FairResult fair(const FairingBase& base, const FairingBase& given_measured, const FairingOptions& given,

@@ -28,9 +28,9 @@ namespace tripatch {
 
 namespace {
 
-/// How much larger a fill that continues from its surroundings is at least than one that meets all of them at an angle: as a cap of a sphere
-/// than its disc where they meet at 25 degrees, from which on an edge tells faces apart. Of balls and cylinders cut through bevels it was
-/// 0.8 to 1.04 times as large, and 3 to 9 times nearer.
+/// A fill that continues its surroundings is at least this much larger than one that meets all of them at an angle. A cap of a
+/// sphere is, compared with its disc, where both meet at 25 degrees, and from there on an edge tells faces apart. Of balls and
+/// cylinders cut through bevels it was 0.8 to 1.04 times as large, and 3 to 9 times nearer.
 constexpr double larger_at_angle = 1.05;
 
 /// Of the new faces, scene units squared.
@@ -145,7 +145,7 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
       if (std::find(corners->begin(), corners->end(), v) != corners->end()) at.push_back(v);
     for (Index v : *corners)
       if (std::find(loop.begin(), loop.end(), v) == loop.end()) throw CodedRefusal(Code::corner_not_on_rim, {v});
-    if (at.size() != corners->size()) throw InvalidArgument("A corner is given twice");
+    check_distinct(*corners, "corners");
   }
   own.corners = places_in(loop, at);
   const Connectivity& around = all ? *all : ground.left;

@@ -103,9 +103,11 @@ constexpr int max_rows = 100;
 void check_options(const FillOptions& options) {
   check(options);
   const bool triangles = options.output == Output::triangles;
-  if (options.resolution && triangles && *options.resolution < 1) throw InvalidArgument("resolution must be from 1 to 10000");
+  if (options.resolution && triangles && *options.resolution < 1)
+    throw CodedArgument(Code::out_of_range, {{"name", "resolution"}, {"least", 1}, {"value", *options.resolution}});
   if (options.resolution && !triangles && *options.resolution > max_rows)
-    throw InvalidArgument("resolution must be from 0 to " + std::to_string(max_rows));
+    throw CodedArgument(Code::out_of_range,
+                        {{"name", "resolution"}, {"from", 0}, {"to", max_rows}, {"value", *options.resolution}});
 }
 
 /// The patch over a polygon or a disc, requested, or that of three sides which meets points inside; nothing where the rim has three sides
@@ -303,22 +305,25 @@ Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>
 }
 
 void check_corners(const Corners& corners) {
-  if (corners && corners->size() == 1)
-    throw InvalidArgument("corners must be two vertices of the rim or more, or none for a round rim; one is given");
+  if (corners && corners->size() == 1) throw CodedArgument(Code::single_corner, {});
+}
+
+/// met: whether the method is one of those.
+void check_met(const char* option, const std::vector<std::string>& methods, bool met, const FillOptions& options) {
+  if (!met)
+    throw CodedArgument(Code::option_not_of_method, {{"option", option}, {"methods", methods}, {"method", options.method}});
+  if (options.surroundings != SurroundingsFrom::mesh) throw CodedArgument(Code::option_needs_mesh, {{"option", option}});
 }
 
 void check_for_holes(const FillOptions& options) {
   check_options(options);
   check_corners(options.corners);
   if (options.method != automatic_method && !find_method(options.method).fills_holes)
-    throw InvalidArgument(options.method + " joins three given surfaces; it does not fill a hole in a mesh");
+    throw CodedArgument(Code::method_of_function, {{"method", options.method}, {"function", "tripatch.blend"}});
   const bool meets = options.method == automatic_method || std::ranges::count(find_method(options.method).lacks, "through") == 0;
-  if (!options.through.empty() && (!meets || options.surroundings != SurroundingsFrom::mesh))
-    throw InvalidArgument("through is met by the methods auto, " + std::string(polygon_method) + " and " +
-                          std::string(spline_method) + ", beside surroundings that are a mesh");
+  if (!options.through.empty()) check_met("through", {automatic_method, polygon_method, spline_method}, meets, options);
   check_taken(options);
-  if (options.cap != Cap::automatic && (options.method != automatic_method || options.surroundings != SurroundingsFrom::mesh))
-    throw InvalidArgument("cap is an option of the method auto, with surroundings that are a mesh");
+  if (options.cap != Cap::automatic) check_met("cap", {automatic_method}, options.method == automatic_method, options);
   if ((options.method == spline_method || options.method == rows_method || options.method == annulus_method) &&
       options.output == Output::cage)
     throw CodedArgument(Code::method_makes_no_cages, {{"method", options.method}});
@@ -329,9 +334,9 @@ using Results = std::vector<std::variant<Fill, Refused>>;
 /// Before anything is refused that names them.
 void check_named(const Mesh& mesh, std::span<const std::vector<Index>> rims, const Corners& corners, const FillOptions& options) {
   const Index n = mesh.vertices.rows();
-  for (const std::vector<Index>& rim : rims) check_vertices(rim, n, "Rim");
-  for (const std::vector<Index>& island : options.islands) check_vertices(island, n, "Island");
-  if (corners) check_vertices(*corners, n, "Corner");
+  for (const std::vector<Index>& rim : rims) check_vertices(rim, n, "rim");
+  for (const std::vector<Index>& island : options.islands) check_vertices(island, n, "islands");
+  if (corners) check_vertices(*corners, n, "corners");
 }
 
 /// Creases that are given lie on edges of the mesh.
@@ -349,8 +354,7 @@ void check_creases(const Mesh& mesh, const std::vector<std::array<Index, 2>>& cr
   if (missing.empty()) return;
   const auto [a, b] = *missing.begin();
   if (a < 0 || b >= mesh.vertices.rows()) return;  // told by what reads them
-  throw InvalidArgument("edge_creases names vertices " + std::to_string(a) + " and " + std::to_string(b) +
-                        ", between which the mesh has no edge");
+  throw CodedArgument(Code::no_such_edge, {{"option", "edge_creases"}, {"first", a}, {"second", b}});
 }
 
 /// Whether a rim is taken as it comes, its edges of no length too: cages, and single methods that are requested, ask for a clean one.
@@ -467,7 +471,7 @@ Results fill_every_merged(const Mesh& mesh, const MergedRims& merged, const std:
 Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>& rims, const FillOptions& options,
                         const std::vector<Corners>& corners, const Progress& progress, const Connectivity* connected) {
   if (options.center && rims.size() > 1)
-    throw InvalidArgument("center is the middle of one hole; center_offset moves the middles of several");
+    throw CodedArgument(Code::option_of_one_hole, {{"option", "center"}, {"other", "center_offset"}});
   check_for_holes(options);
   check_named(mesh, rims, {}, options);
   for (const Corners& each : corners) check_named(mesh, {}, each, options);

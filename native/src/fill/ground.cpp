@@ -109,7 +109,7 @@ CorneredRim cornered(const Ground& ground, const std::vector<Index>& rim, const 
     if (std::find(out.rim.begin(), out.rim.end(), v) == out.rim.end()) throw CodedRefusal(Code::corner_not_on_rim, {v});
   std::rotate(out.rim.begin(), std::find(out.rim.begin(), out.rim.end(), corners[0]), out.rim.end());
   out.places = places_in(out.rim, corners);
-  if (out.places.size() != corners.size()) throw InvalidArgument("A corner is given twice");
+  check_distinct(corners, "corners");
   return out;
 }
 

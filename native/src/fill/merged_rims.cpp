@@ -106,8 +106,7 @@ Corners MergedRims::merged(const Corners& corners) const {
   for (Index v : *corners) {
     const auto same = std::ranges::find(out, place(v));
     if (same != out.end() && (*corners)[same - out.begin()] != v)
-      throw InvalidArgument("Corners " + std::to_string((*corners)[same - out.begin()]) + " and " + std::to_string(v) +
-                            " are at one place of the rim; give one of them");
+      throw CodedArgument(Code::corners_at_one_place, {{"first", (*corners)[same - out.begin()]}, {"second", v}});
     out.push_back(place(v));
   }
   return out;

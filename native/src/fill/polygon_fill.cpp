@@ -298,7 +298,8 @@ LayoutOptions layout_options(const FillOptions& options) {
 PolygonPatchOptions polygon_options(const FillOptions& options) {
   PolygonPatchOptions own;
   if (options.cross_boundary != CrossBoundary::consistent && options.method != automatic_method)  // which tells of it
-    throw InvalidArgument("cross_boundary is consistent where a patch has not three sides");
+    throw CodedArgument(Code::value_needs_three_sides,
+                        {{"option", "cross_boundary"}, {"value", name_of(options.cross_boundary)}});
   own.continuity = options.continuity.values();
   own.bulge = options.bulge.values();
   own.fairing = options.fairing;

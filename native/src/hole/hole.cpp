@@ -17,11 +17,9 @@ using Loop = std::vector<Index>;
 
 std::array<Index, 3> places_of(const std::array<Index, 3>& corners, const Loop& rim, Index vertices) {
   std::array<Index, 3> places;
-  check_vertices(corners, vertices, "Corner");
+  check_vertices(corners, vertices, "corners");
+  check_distinct(corners, "corners");
   for (int i = 0; i < 3; ++i) {
-    if (corners[i] == corners[(i + 1) % 3])
-      throw InvalidArgument("The corners must be three different vertices; vertex " + std::to_string(corners[i]) +
-                            " is given twice");
     const auto found = std::find(rim.begin(), rim.end(), corners[i]);
     if (found == rim.end()) throw CodedRefusal(Code::corner_not_on_rim, {corners[i]});
     places[i] = found - rim.begin();

@@ -90,9 +90,8 @@ std::vector<Border> borders_of(const Mesh& mesh, const Connectivity& around) {
 std::vector<Border> borders_of(const Mesh& mesh) { return borders_of(mesh, Connectivity(mesh)); }
 
 bool is_outer_border(const Mesh& mesh, const std::vector<Index>& rim, bool of_sheet) {
-  for (Index v : rim)
-    if (v < 0 || v >= mesh.vertices.rows()) throw InvalidArgument("The mesh has no vertex " + std::to_string(v));
-  if (rim.size() < 3) throw InvalidArgument("A border loop has three vertices or more");
+  check_vertices(rim, mesh.vertices.rows(), "rim");
+  if (rim.size() < 3) throw CodedArgument(Code::out_of_range, {{"name", "len(rim)"}, {"least", 3}, {"value", rim.size()}});
   return turns_less(of_sheet ? sheet_turn : outer_turn, mesh, Connectivity::around(mesh, rim, 0), rim);
 }
 

@@ -96,15 +96,20 @@ void refuse_several(const std::vector<std::vector<Index>>& rims, Code code) {
   throw CodedRefusal(code, {{"count", rims.size()}}, where);
 }
 
-void check_vertices(std::span<const Index> named, Index vertices, const char* what) {
+void check_vertices(std::span<const Index> named, Index vertices, const char* option) {
   for (Index v : named)
     if (v < 0 || v >= vertices)
-      throw InvalidArgument(std::string(what) + " vertex " + std::to_string(v) + " does not exist: the mesh has " +
-                            std::to_string(vertices) + " vertices");
+      throw CodedArgument(Code::no_such_vertex, {{"option", option}, {"vertex", v}, {"count", vertices}});
+}
+
+void check_distinct(std::span<const Index> named, const char* option) {
+  for (std::size_t k = 0; k < named.size(); ++k)
+    if (std::ranges::count(named.subspan(0, k), named[k]) > 0)
+      throw CodedArgument(Code::given_twice, {{"option", option}, {"vertex", named[k]}});
 }
 
 std::vector<Index> check_topology(const Connectivity& around, const std::vector<Index>& rim) {
-  check_vertices(rim, around.vertices(), "Rim");
+  check_vertices(rim, around.vertices(), "rim");
   if (rim.size() < 3) throw CodedRefusal(Code::rim_too_short, rim);
   Loop sorted = rim;
   std::sort(sorted.begin(), sorted.end());

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "tripatch/messages.h"
+
 namespace tripatch {
 namespace {
 
@@ -28,16 +30,16 @@ Corner common_size(const FacesRef& faces) {
 [[noreturn]] void refuse_vertex(const FacesRef& faces, std::size_t corner, Index vertices) {
   const auto face = std::upper_bound(faces.offsets.begin(), faces.offsets.end(), static_cast<Index>(corner));
   const Index v = faces.corners[corner];
-  throw InvalidArgument("Face " + std::to_string(face - faces.offsets.begin() - 1) + " has vertex " + std::to_string(v) +
-                        (v < 0 ? "; indices must not be negative" : ": the mesh has " + std::to_string(vertices) + " vertices"));
+  throw CodedArgument(
+      Code::no_such_vertex,
+      {{"option", "faces[" + std::to_string(face - faces.offsets.begin() - 1) + "]"}, {"vertex", v}, {"count", vertices}});
 }
 
 std::vector<char> marked_faces(const FacesRef& faces, std::span<const Index> replaced) {
   std::vector<char> gone(replaced.empty() ? 0 : faces.size(), 0);
   for (Index f : replaced) {
     if (f < 0 || f >= faces.size())
-      throw InvalidArgument("Face " + std::to_string(f) + " to be replaced does not exist: the mesh has " +
-                            std::to_string(faces.size()) + " faces");
+      throw CodedArgument(Code::no_such_face, {{"option", "replaced"}, {"face", f}, {"count", faces.size()}});
     gone[f] = 1;
   }
   return gone;

@@ -1,6 +1,7 @@
 #include "tripatch/mesh/vertex_normals.h"
 
 #include "tripatch/math/angle.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -27,8 +28,9 @@ Vec3 area_vector(const Mesh& mesh, Index f) {
 
 Points vertex_normals(const Mesh& mesh, const PointsRef& corner_normals) {
   if (corner_normals.rows() != 0 && corner_normals.rows() != static_cast<Index>(mesh.faces.corners.size()))
-    throw InvalidArgument("there must be a normal for each of the " + std::to_string(mesh.faces.corners.size()) +
-                          " corners, not " + std::to_string(corner_normals.rows()));
+    throw CodedArgument(Code::wrong_shape, {{"name", "corner_normals"},
+                                            {"shape", "(" + std::to_string(mesh.faces.corners.size()) + ", 3)"},
+                                            {"given", "(" + std::to_string(corner_normals.rows()) + ", 3)"}});
   for (Index v : mesh.faces.corners)
     if (v < 0 || v >= mesh.vertices.rows())
       throw InvalidArgument("A face names vertex " + std::to_string(v) + ", of " + std::to_string(mesh.vertices.rows()));

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tripatch/math/parallel.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -22,14 +23,18 @@ constexpr double on_edge = 1e-14;
 
 AttributeWeights::AttributeWeights(const Values& rim, const Values& inside, const std::vector<Index>& loops)
     : plane_(rim.cols() == 2), rim_(rim.rows()), points_(inside.rows()), rim_parameters_(rim), parameters_(inside) {
-  if (rim_ < 3) throw InvalidArgument("a rim has three vertices or more, not " + std::to_string(rim_));
+  const auto of_shape = [](Index rows, Index columns) {
+    return "(" + std::to_string(rows) + ", " + std::to_string(columns) + ")";
+  };
+  if (rim_ < 3) throw CodedArgument(Code::out_of_range, {{"name", "len(rim)"}, {"least", 3}, {"value", rim_}});
   if ((rim.cols() != 2 && rim.cols() != 3) || rim.cols() != inside.cols())
-    throw InvalidArgument(
-        "parameters must be barycentric coordinates (3) or places in a plane domain (2), the same inside and at the rim");
+    throw CodedArgument(
+        Code::wrong_shape,
+        {{"name", "inside"}, {"shape", of_shape(points_, rim.cols())}, {"given", of_shape(points_, inside.cols())}});
   if (plane_) {
     std::vector<Index> counts = loops.empty() ? std::vector<Index>{rim_} : loops;
     if (std::accumulate(counts.begin(), counts.end(), Index{0}) != rim_ || *std::ranges::min_element(counts) < 3)
-      throw InvalidArgument("loops must count the " + std::to_string(rim_) + " vertices of the rim, three or more each");
+      throw CodedArgument(Code::loops_miscounted, {{"count", rim_}});
     before_.resize(rim_);
     for (const Index count : counts) {
       const Index first = static_cast<Index>(next_.size());
@@ -38,11 +43,12 @@ AttributeWeights::AttributeWeights(const Values& rim, const Values& inside, cons
     for (Index v = 0; v < rim_; ++v) before_[next_[v]] = v;
     return;
   }
-  if (!loops.empty()) throw InvalidArgument("loops are those of a rim in a plane domain");
+  if (!loops.empty())
+    throw CodedArgument(Code::wrong_shape, {{"name", "rim"}, {"shape", of_shape(rim_, 2)}, {"given", of_shape(rim_, 3)}});
   for (int i = 0; i < 3; ++i) rim_parameters_.col(i).maxCoeff(&corner_[i]);
   for (int i = 0; i < 3; ++i) {
     const Index first = corner_[(i + 1) % 3], last = corner_[(i + 2) % 3] == 0 ? rim_ : corner_[(i + 2) % 3];
-    if (first >= last) throw InvalidArgument("the rim must start at corner 0 and pass corner 1 before corner 2");
+    if (first >= last) throw CodedArgument(Code::rim_not_from_corner, {});
     for (Index v = first; v <= last; ++v) along_[i].push_back(rim_parameters_(v % rim_, (i + 2) % 3));
   }
 }
@@ -123,8 +129,9 @@ std::vector<Index> AttributeWeights::nearest() const {
 
 Values AttributeWeights::blend(const Eigen::Ref<const Values>& at_ends) const {
   if (at_ends.rows() != ends())
-    throw InvalidArgument("values must be given at both ends of each of the " + std::to_string(rim_) +
-                          " rim edges: " + std::to_string(ends()) + " rows, not " + std::to_string(at_ends.rows()));
+    throw CodedArgument(Code::wrong_shape, {{"name", "values"},
+                                            {"shape", "(" + std::to_string(ends()) + ", d)"},
+                                            {"given", "(" + std::to_string(at_ends.rows()) + ", d)"}});
   Values out = Values::Zero(points_, at_ends.cols());
   parallel_for(0, points_, points_a_thread, [&](Index from, Index to) {
     std::vector<Index> ends(terms());

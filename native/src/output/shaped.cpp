@@ -356,7 +356,7 @@ bool can_be_shaped(const Fill& fill) {
 
 void check_reach(double size, const Vec3& near, const FillOptions& options) {
   for (double bulge : options.bulge)
-    if (!(bulge < farthest)) throw InvalidArgument("bulge must be less than a million");
+    if (!(bulge < farthest)) throw CodedArgument(Code::out_of_range, {{"name", "bulge"}, {"below", farthest}, {"value", bulge}});
   const double most = farthest * size;
   if (std::abs(options.center_offset) > most || (options.center && !((*options.center - near).stableNorm() <= most)))
     throw CodedRefusal(Code::center_too_far, {{"option", options.center ? "center" : "center_offset"}});

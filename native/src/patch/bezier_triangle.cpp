@@ -24,12 +24,10 @@ void step(double* w, int degree, const double* x) {
 
 BezierTriangle::BezierTriangle(Points net) : net_(std::move(net)) {
   while (degree_ <= max_degree && net_size(degree_) < net_.rows()) ++degree_;
-  if (degree_ > max_degree) throw InvalidArgument("A Bezier triangle has a degree of at most " + std::to_string(max_degree));
-  if (net_size(degree_) != net_.rows())
-    throw InvalidArgument("A triangular net of degree n has (n + 1)(n + 2) / 2 points: 1, 3, 6, 10, ..., not " +
-                          std::to_string(net_.rows()));
+  if (degree_ > max_degree) throw CodedArgument(Code::out_of_range, {{"name", "degree"}, {"from", 0}, {"to", max_degree}});
+  if (net_size(degree_) != net_.rows()) throw CodedArgument(Code::wrong_net, {{"count", net_.rows()}});
   for (Index k = 0; k < net_.rows(); ++k)
-    if (!net_.row(k).allFinite()) throw InvalidArgument("Control point " + std::to_string(k) + " is not finite");
+    if (!net_.row(k).allFinite()) throw CodedArgument(Code::not_finite, {{"name", "net[" + std::to_string(k) + "]"}});
 }
 
 void BezierTriangle::evaluate(const double* b, Index n, int order, double* out) const {
@@ -105,7 +103,7 @@ Points elevated_curve(const Points& curve) {
 }
 
 Side side_of(const BezierTriangle& triangle, int i, bool reversed) {
-  if (i < 0 || i > 2) throw InvalidArgument("A triangle has edges 0 to 2, not " + std::to_string(i));
+  if (i < 0 || i > 2) throw CodedArgument(Code::out_of_range, {{"name", "edge"}, {"from", 0}, {"to", 2}, {"value", i}});
   Vec3 inward = Vec3::Constant(-0.5);
   inward[i] = 1;
   const BezierTriangle r = triangle.derivative(inward), q = r.derivative(inward);

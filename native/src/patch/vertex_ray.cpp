@@ -31,9 +31,9 @@ VertexRay::VertexRay(const Boundary& boundary, int i, RayDegree degree)
   const Vec3 nn = next.c.derivative_at(0, 2), pp = previous.c.derivative_at(1, 2);
   const Vec3 np = 0.5 * (0.5 * nn - next.d.derivative_at(0) + 0.5 * pp + previous.d.derivative_at(1));
   vertex_second_ = {nn, 2 * (np - nn), nn - 2 * np + pp, Vec3::Zero()};
-  // At the side: Q + 2 (t - 1/2) d' + (t - 1/2)^2 c'' with Q, d', c'' linear between the corners, as they are for cubic surfaces, Q such
-  // that a ray along one of the other two sides has that side's own second derivative. The d' and c'' of a spline in between are
-  // left alone: the patch would take four of its derivatives.
+  // At the side: Q + 2 (t - 1/2) d' + (t - 1/2)^2 c'', with Q, d' and c'' linear between the corners, as for cubic surfaces. Q is
+  // such that a ray along one of the other two sides has that side's own second derivative. The d' and c'' of a spline in between
+  // are left alone: the patch would take four of its derivatives.
   const PiecewisePolynomial& d = ribbons[i].d;
   const Vec3 c0 = c_.derivative_at(0, 2), c1 = c_.derivative_at(1, 2), d0 = d.derivative_at(0), d1 = d.derivative_at(1);
   const Vec3 q0 = next.c.derivative_at(1, 2) + d0 - 0.25 * c0, q1 = previous.c.derivative_at(0, 2) - d1 - 0.25 * c1;

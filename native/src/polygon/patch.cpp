@@ -24,9 +24,7 @@ template <class T>
 std::vector<T> each(const std::vector<T>& given, int n, const T& otherwise, const char* name) {
   if (given.empty()) return std::vector<T>(n, otherwise);
   if (given.size() == 1) return std::vector<T>(n, given[0]);
-  if (static_cast<int>(given.size()) != n)
-    throw InvalidArgument(std::string(name) + " has " + std::to_string(given.size()) + " values, for " + std::to_string(n) +
-                          " sides; give one, or one a side");
+  if (static_cast<int>(given.size()) != n) refuse_count(name, given.size(), n);
   return given;
 }
 

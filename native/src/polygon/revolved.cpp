@@ -33,8 +33,9 @@ constexpr double max_unknown = 0.05, max_unknown_of_bend = 0.2;
 /// shallow cap is a sphere's, which has no variation at all, and funnels' caps below -35 degrees jump from one valley to another.
 constexpr double jump_share = 0.3;
 constexpr double difference_step = 1e-5;  ///< of unknowns, over the radius: residuals are smooth, and exact to 1e-10 so
-/// Where descent ends: at an energy that is none (a hundred times as much leaves caps of spheres 1e-7 of the radius off, this 7e-8), after
-/// so many steps (30 do on spheres, to 2e-8), or with a step that gains less (a hundred times as much changes no cap by 1e-9).
+/// Descent ends at an energy of none, after this many steps, or with a step that gains less. A hundred times the energy leaves
+/// caps of spheres 1e-7 of the radius off, this 7e-8. 30 steps do on spheres, to 2e-8. A hundred times the gain changes no cap by
+/// 1e-9.
 constexpr double energy_of_none = 1e-10;
 constexpr int max_profile_steps = 100;
 constexpr double last_profile_gain = 1e-9;

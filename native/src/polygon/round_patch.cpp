@@ -24,8 +24,9 @@ constexpr int energy_nodes_round =
 /// Surroundings that are of revolution to this share of the size get a fill that is: a descent along a flat valley would enlarge what
 /// rounding and the mesh have left of unevenness a thousand times.
 constexpr double revolved_within = 1e-6;
-/// And of slopes that are so to this share, which is 0.01 degrees: a mesh does not know them better where the number of edges and the
-/// places of the corners that it is read with have little in common (cones of 33 to 35 edges: 4e-5). The seam keeps what they are.
+/// The same of slopes, up to this share, which is 0.01 degrees. A mesh does not determine them better if the number of edges and
+/// the places of the corners that it is read with have little in common (cones of 33 to 35 edges: 4e-5). The seam keeps what they
+/// are.
 constexpr double slopes_revolved_within = 1e-4;
 
 double rim_diameter(const PiecewisePolynomial& c) {
@@ -258,8 +259,7 @@ Vec2 nearest_in_disc(const Surface& patch, const Vec3& point) {
 
 template <class T>
 T single(const std::vector<T>& values, const T& otherwise, const char* name) {
-  if (values.size() > 1)
-    throw InvalidArgument(std::string(name) + " has one value for a round rim, not " + std::to_string(values.size()));
+  if (values.size() > 1) refuse_count(name, values.size(), 1);
   return values.empty() ? otherwise : values[0];
 }
 

@@ -85,7 +85,7 @@ double value_of(const PiecewisePolynomial& scalar, double t) {
 }
 
 /// The terms H_1 and H_2 of what adds `direction` times `wave` to the derivative along the radius at the rim, and nothing to the
-/// second one: that of -1/2 (1 - r^2) H is H + 2 H', that of (1 - r^2)^2 H is 8 H.
+/// second one. For -1/2 (1 - r^2) H the second one is H + 2 H', for (1 - r^2)^2 H it is 8 H.
 std::array<Harmonic, 2> slope_terms(const PiecewisePolynomial& wave, const PiecewisePolynomial& direction, Index rows) {
   const Harmonic field =
       fourier([&](double t) { return Vec3(value_of(wave, t) * direction(t)); }, static_cast<int>(rows - 1) / 2);

@@ -372,9 +372,9 @@ std::vector<Choice> choices_of(const Region& region, const std::vector<RimCorner
   return choices;
 }
 
-/// Extra rows with which layouts are tried; with more, what was the fairest with these is taken. Of 292 outlines of three to seven sides of 2
-/// to 8 edges, four rows: half are laid out otherwise than if they were chosen with four, and the least sine is less by .003 in their mean and
-/// by .05 at most (.004 and .05 with one; .019 where two rows are chosen with one).
+/// Extra rows with which layouts are tried; with more, what was the fairest with these is taken. Of 292 outlines of three to
+/// seven sides of 2 to 8 edges, half are laid out otherwise than if they were chosen with four rows. The least sine is less by
+/// .003 in the mean and by .05 at most (.004 and .05 with one; .019 where two rows are chosen with one).
 constexpr int max_rows_of_trials = 2;
 
 /// The plan of the fairest layout, and that one, of these rows.

@@ -18,10 +18,10 @@
 namespace tripatch {
 namespace {
 
-/// Degrees from the faces around it at which a face is turned over: a fill that continues as those do stands at another angle to it than they,
-/// so that folds of 120 degrees begin here. Clear of a right angle, as of boxes. Of 318 holes of known surfaces and in scanned meshes
-/// whose vertices are off by .1, .2 and .3 of an edge 24 are closed with plain triangles, 23 with 90 degrees, 28 with 110 and 120, and 64
-/// where no face counts as turned over.
+/// Degrees from the faces around it at which a face is turned over: a fill that continues as those do stands at another angle to
+/// it than they, so that folds of 120 degrees begin here. Clear of a right angle, as of boxes. Tried on 318 holes of known
+/// surfaces and in scanned meshes, with vertices off by .1, .2 and .3 of an edge. Closed with plain triangles are 24, with 90
+/// degrees 23, with 110 and 120 degrees 28, and 64 if no face counts as flipped.
 constexpr double turned_degrees = 100;
 /// Of the areas of faces: so long is their vector area where they tell a side. A bound: of two halves at a right angle it is .7.
 constexpr double agree = 0.5;

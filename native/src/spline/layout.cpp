@@ -43,9 +43,9 @@ constexpr int halvings = 40;
 /// Of the mean diagonal element of the Hessian, for the energy does not see where the whole lies and how it is turned. With a
 /// thousand times as much two of those 72 move by more than 1e-3 of the diameter.
 constexpr double free_motions = 1e-9;
-/// Of the gradient: a step of Newton's that leaves more is refined, so many times at most. Next to thin triangles the matrix has lost the digits
-/// of how they move as a whole, and what rounding makes of a step the next ones enlarge up to a million times: of meshes stretched by 1000
-/// two refinements leave 1e-13, of others there is none, or one.
+/// Of the gradient: a step of Newton's that leaves more is refined, so many times at most. Next to thin triangles the matrix has
+/// lost the digits of how they move as a whole, and later steps enlarge the rounding of a step up to a million times. On meshes
+/// stretched by 1000 two refinements leave 1e-13; others need none, or one.
 constexpr double refined = 1e-14;
 constexpr int max_refinements = 4;
 /// Of what was left before: more, and it is the rounding of what is left itself.

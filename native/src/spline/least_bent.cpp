@@ -54,13 +54,13 @@ Measures measured(const Points& points, const std::vector<std::array<Index, 3>>&
 /// Columns that are solved for at once where all of them would take too much room.
 constexpr Index at_once = 32;
 
-/// Least energies of increasing orders, of the same free vertices. With the Laplacian S, positive on its diagonal, and the areas A the
-/// energies are x' S x, w' w / A of w = S x, and v' S v of v = w / A. Matrices of the higher two have the condition of S squared and
-/// cubed, beyond all digits where triangles are thin. But w of the free vertices (f) may be anything: it says x, and with it w of those
-/// next to them (b), which are held, w_b = B w_f + e with B = S_bf / S_ff. There w takes nothing from the triangles around but the planes in
-/// which these continue across the rim, as of a plate that is clamped: with their own bend, which no fill changes, 334 fills of holes cut by
-/// booleans are 6% farther from what was there, 60 of rough ones 3%. So what is left has an unknown or two for each of those vertices
-/// (multipliers m of those equations, and v_b), and S_ff alone is factored.
+/// Least energies of increasing orders, of the same free vertices. With the Laplacian S, positive on its diagonal, and the areas
+/// A the energies are x' S x, w' w / A of w = S x, and v' S v of v = w / A. Matrices of the higher two have the condition of S
+/// squared and cubed, beyond all digits where triangles are thin. But w of the free vertices (f) may be anything: it says x, and
+/// with it w of those next to them (b), which are held, w_b = B w_f + e with B = S_bf / S_ff. There w takes from the triangles
+/// around only the planes in which these continue across the rim, as for a clamped plate. With their own bend, which no fill
+/// changes, 334 fills of holes cut by booleans are 6% farther from what was there, 60 of rough ones 3%. So what is left has an
+/// unknown or two for each of those vertices (multipliers m of those equations, and v_b), and S_ff alone is factored.
 class Bending {
 public:
   Bending(const Points& points, const std::vector<std::array<Index, 3>>& triangles,

@@ -647,9 +647,9 @@ bool serves(const Rim& rim, Attempt& result) {
          folded_edges(result.made.points, result.made.triangles, {}) <= rim.folds_of_plain && !crosses(rim, result);
 }
 
-/// The second model by itself where the field folds: on meshes whose noise is a third of an edge the field passes the rim's vertices so
-/// far off that its triangles fold back over the mesh, and so may those that keep the planes next to the rim, which are noise. False, and
-/// as it was, where this folds more than the rim too.
+/// The second model alone, if the field folds. If the noise of a mesh is a third of an edge, the field passes the vertices of the
+/// rim so far off that its triangles fold back over the mesh. So may those that keep the planes next to the rim, which are noise.
+/// False, and as it was, where this folds more than the rim too.
 bool second_alone(const Disc& disc, const Rim& rim, Attempt& result) {
   if (disc.triangles.empty() || result.made.points.rows() == disc.rim || result.met) return false;
   std::array<std::optional<SecondModels>, 2> of_result;  // that need not keep the planes next to the rim, and that do
@@ -740,8 +740,9 @@ PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
   return fill;
 }
 
-/// Triangles without a surface: the rim's own, or those that join its edges to its middle where only that leaves no fold between them and
-/// no crossing, and folds no more over the faces beyond; or folds less, where the rim's own are not the first: those crossed.
+/// Triangles without a surface: the rim's own, or those that join its edges to its middle. The latter are used if only they leave
+/// no fold between them and no crossing, and do not fold more over the faces beyond. They are also used if they fold less where
+/// the rim's own cross.
 PlaneFill plain(const Rim& rim, bool are_first) {
   PlaneFill fill;
   fill.triangles = rim.rough;

@@ -98,9 +98,9 @@ Reference::Jet2 Reference::jet_at(const Eigen::RowVector2d& point) const {
   return out;
 }
 
-/// Newton's method for the least squared distance. Where that bends downwards the way leads off as far as it would lead up to where it
-/// bends upwards: a point between two feet leaves the middle in doubling steps, and not, as by Gauss and Newton's, the faster the
-/// farther off it lies, so that rounding would choose its foot.
+/// Newton's method for the least squared distance. Where that bends downwards, steps away from the middle between two feet
+/// double, as far as they would lead up to where it bends upwards. Gauss-Newton steps would be longer the farther off the point
+/// lies, so that rounding would choose its foot.
 PlanePoints Reference::foot_points(PlanePoints points, const Points& samples) const {
   const double longest = longest_step * size_;
   for (Index k = 0; k < points.rows(); ++k) {

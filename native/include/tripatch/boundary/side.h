@@ -47,7 +47,5 @@ constexpr double sides_meet = 1e-6;
 double check_sides(const Sides& sides);
 /// The same for three curves alone.
 double check_curves(const std::array<PiecewisePolynomial, 3>& curves);
-/// "do not meet at corner 2: the gap is 1e-05"
-std::string gap_at_corner(int corner, double gap);
 
 }  // namespace tripatch

@@ -12,11 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import because
+from ..messages import Message
 from . import crops, job, memory, record
 from .settings import CROP, Settings
 
 _SCRIPT = Path(__file__).with_name("in_blender.py")
-MISSING = "No Blender found as {!r}; --blender names the program that opens .blend files"
 
 
 def _asked(file: Path, part: Path, settings: Settings, holes: tuple[Any, ...], filled: Path) -> dict[str, Any]:
@@ -47,12 +48,12 @@ def _run(asked: dict[str, Any], program: str, memory_limit: int | None) -> dict[
         try:
             ended = subprocess.Popen(command, **streams)
         except OSError:
-            return {"status": record.CRASHED, "reason": MISSING.format(program)}
+            return {"status": record.CRASHED, "code": "blender_missing", "parameters": {"program": program}}
         watch = memory.Watch(ended.pid, memory_limit, ended.kill)
         out = ended.communicate()[0]
         watch.over()
         if watch.found:
-            return {"status": record.MEMORY_LIMIT, "reason": None}
+            return {"status": record.MEMORY_LIMIT, "code": None}
         # a Blender that crashes after its answer has done what it was asked for
         if answer.exists():
             told: dict[str, Any] = json.loads(answer.read_bytes())
@@ -60,9 +61,9 @@ def _run(asked: dict[str, Any], program: str, memory_limit: int | None) -> dict[
         said = out.decode(errors="replace").strip().splitlines()
     # Blender's own last word, that the script has failed, says nothing of why
     words = [line for line in said if ("Error" in line or "error" in line) and not line.startswith("Error: script failed")]
-    last = words[-1][:200] if words else ""
-    how = f"was ended by signal {-ended.returncode}" if ended.returncode < 0 else f"ended with code {ended.returncode}"
-    return {"status": record.CRASHED, "reason": f"Blender {how}{': ' * bool(last)}{last}"}
+    how = {"signal": str(-ended.returncode)} if ended.returncode < 0 else {"code": str(ended.returncode)}
+    how |= {"reason": words[-1][:200]} if words else {}
+    return {"status": record.CRASHED, "code": "process_ended", "parameters": {"program": "Blender", **how}}
 
 
 def work(file: Path, name: str, sha256: str, settings: Settings, begun: float, holes: tuple[Any, ...]) -> dict[str, Any]:
@@ -76,7 +77,7 @@ def work(file: Path, name: str, sha256: str, settings: Settings, begun: float, h
         return job.entry(settings, name, sha256, [line], begun)
 
     if program is None:
-        return told(record.CRASHED, MISSING.format(settings.blender))
+        return told(record.CRASHED, Message("blender_missing", {"program": settings.blender}))
     try:
         if settings.mode == "fill":
             out.parent.mkdir(parents=True, exist_ok=True)
@@ -85,7 +86,8 @@ def work(file: Path, name: str, sha256: str, settings: Settings, begun: float, h
             parts = answer.get("crops", [])
             return {"crops": [c and crops.of_parts(np.array(c["vertices"]), c["around"], c["fill"]) for c in parts]}
         if "status" in answer:
-            return told(answer["status"], answer["reason"] or job.memory_reason(settings))
+            code = answer["code"]
+            return told(answer["status"], Message(code, answer["parameters"]) if code else job.memory_reason(settings))
         lines = [record.of_hole(settings, name, **hole) for hole in answer["holes"]]
         values = {"sha256": sha256, "vertices": answer["vertices"], "faces": answer["faces"], **record.outcome(lines)}
         if values["filled"] and settings.mode == "fill":
@@ -93,6 +95,6 @@ def work(file: Path, name: str, sha256: str, settings: Settings, begun: float, h
             values["output"] = name
         return job.entry(settings, name, sha256, [record.of_file(settings, name, **values), *lines], begun)
     except OSError as error:
-        return told(record.NOT_WRITTEN, f"{name} cannot be written: {error.strerror or error}")
+        return told(record.NOT_WRITTEN, Message("file_unwritable", {"path": name, "reason": because(error)}))
     finally:
         part.unlink(missing_ok=True)

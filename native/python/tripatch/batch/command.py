@@ -16,10 +16,10 @@ from typing import Any
 import numpy as np
 
 from .. import __version__, arguments, words
+from ..errors import out_of_range
 from ..filling import fill_all
 from ..holes import choose_holes
 from ..messages import Message
-from ..words import counted
 from . import emit, inputs, journal, local, memory, pictures, record, scheduling
 from .in_words import given
 from .progress import Progress
@@ -51,17 +51,15 @@ def _range(text: str) -> tuple[int, int]:
     except ValueError:
         of = to = 0
     if not 1 <= of <= to:
-        raise argparse.ArgumentTypeError(f"{text!r} is no range such as 51-100, counted from 1")
+        raise arguments.unreadable(text, "51-100")
     return of, to
 
 
 def _whole(least: int, most: int = sys.maxsize) -> Any:
     def read(text: str) -> int:
         value = int(text)
-        if value < least:
-            raise argparse.ArgumentTypeError(f"{least} or more are needed, not {value}")
-        if value > most:
-            raise argparse.ArgumentTypeError(f"{most} at most are possible, not {value}")
+        if not least <= value <= most:
+            raise argparse.ArgumentTypeError(*out_of_range("N", value, least, most).args)
         return value
 
     read.__name__ = "whole number"
@@ -71,7 +69,7 @@ def _whole(least: int, most: int = sys.maxsize) -> Any:
 def _seconds(text: str) -> float:
     value = float(text)
     if not 0 < value < threading.TIMEOUT_MAX:
-        raise argparse.ArgumentTypeError(f"a time limit must be longer than nothing, and less than {threading.TIMEOUT_MAX:g}")
+        raise argparse.ArgumentTypeError(*out_of_range("SECONDS", value, 0, threading.TIMEOUT_MAX, is_open=True).args)
     return value
 
 
@@ -137,17 +135,20 @@ def _words(args: argparse.Namespace) -> list[str]:
 
 def _settings(args: argparse.Namespace) -> tuple[list[Path], Settings]:
     """The files and what they have in common; ValueError where they do not go together."""
-    if bool(args.inputs) == bool(args.files):
-        raise inputs.InputError("name inputs, or a list of them by --files")
+    if not args.inputs and not args.files:
+        raise inputs.InputError(Message("inputs_unnamed"))
     if args.range and not args.files:
-        raise inputs.InputError("--range counts in the list that --files names")
-    if args.scheduler and args.workers is not None:
-        raise inputs.InputError("--workers are those of this machine; a scheduler has its own")
-    if args.emit and args.dry_run:
-        raise inputs.InputError("--dry-run writes nothing, and --emit writes a list for its commands; give one of both")
+        raise inputs.InputError(Message("option_needs", {"option": "--range", "needed": "--files"}))
+    for first, second, both in (
+        ("INPUT", "--files", args.inputs and args.files),
+        ("--scheduler", "--workers", args.scheduler and args.workers is not None),
+        ("--emit", "--dry-run", args.emit and args.dry_run),
+    ):
+        if both:
+            raise inputs.InputError(Message("options_exclusive", {"first": first, "second": second}))
     out = args.out.absolute()
     if out.exists() and not out.is_dir():
-        raise inputs.InputError(f"{args.out} is a file, and --out names a folder")
+        raise inputs.InputError(Message("not_a_folder", {"path": str(args.out)}))
     found = inputs.from_list(args.files) if args.files else inputs.listed(args.inputs, out)
     root = inputs.root_of(found, args.root)
     given = {name: getattr(args, name) for name in BATCH_OPTIONS if hasattr(args, name)}
@@ -161,7 +162,7 @@ def _settings(args: argparse.Namespace) -> tuple[list[Path], Settings]:
     if args.range:
         wanted = found[args.range[0] - 1 : args.range[1]]
         if found and not wanted:
-            raise inputs.InputError(f"{args.files} has {counted(len(found), 'file')}, and --range begins at {args.range[0]}")
+            raise out_of_range("--range", args.range[0], 1, len(found))
     if not args.dry_run:
         inputs.check_places(wanted, found, root, out)
     # who does the files may stand in another folder
@@ -211,14 +212,15 @@ def _listing(entries: Sequence[dict[str, Any]]) -> int:
     for entry in entries:
         head, *holes = entry["lines"]
         if not holes:
-            print(f"{head['input']}: {head['reason'] or 'no hole'}")
+            print(f"{head['input']}: {head['reason'] or Message('no_hole_in_file')}")
         for hole in holes:
             meant += hole["status"] == record.LISTED
             ob = f"{hole['object']}, " if hole["object"] else ""
-            place = f"hole through vertex {hole['vertex']}, {hole['edges']} edges, {hole['diameter']:.3g} wide"
-            filled = ["would be filled"] if hole["status"] == record.LISTED else []
+            of_loop = {"edges": hole["edges"], "size": f"{hole['diameter'] or 0:.3g}"}
+            place = "" if hole["vertex"] is None else Message("hole_listed", of_loop, [hole["vertex"]])
+            filled = [Message("would_be_filled")] if hole["status"] == record.LISTED else []
             what = ". ".join(filter(None, [*filled, hole["reason"]]))
-            print(f"{head['input']}: {ob}{place if hole['vertex'] is not None else ''}: {what}")
+            print(f"{head['input']}: {ob}{place}: {what}")
     unjoined = _of_unjoined([entry["lines"][0] for entry in entries])
     print(Message("batch_planned", {"holes": meant, "files": len(entries)} | unjoined))
     _tell_left_open(entries)
@@ -260,14 +262,15 @@ def _end(args: argparse.Namespace, entries: Sequence[dict[str, Any]], settings: 
     lines = journal.write_lines(out, entries)
     print(_summary(entries))
     _tell_left_open(entries)
-    print(f"Every file and hole: {lines}")
+    print(Message("lines_written", {"path": str(lines)}))
     total = sum(line["status"] == record.FILLED for entry in entries for line in entry["lines"][1:])
     if args.worst and total:
         try:
             if pictures.sheet(out / journal.SHEET, pictures.worst(entries, args.worst), settings, total):
-                print(f"The worst seams: {out / journal.SHEET}")
+                print(Message("sheet_written", {"path": str(out / journal.SHEET)}))
         except ImportError:
-            _say(pictures.NEEDED)
+            needed = {"what": journal.SHEET, "package": "Pillow", "install": "'tripatch[batch]'"}
+            _say(Message("package_needed", needed))
     heads = [entry["lines"][0]["status"] for entry in entries]
     if all(status in (record.FILLED, record.NOTHING) for status in heads):
         return NOTHING if _filters_leave_all(entries) else DONE
@@ -286,7 +289,7 @@ def run(args: argparse.Namespace) -> int:
         sys.stdout.reconfigure(errors="surrogateescape" if args.emit else "backslashreplace")
     found, settings = _settings(args)
     if not found:
-        _say(f"There is no file to fill; folders are searched for {', '.join(inputs.SUFFIXES[:-1])} and {inputs.SUFFIXES[-1]}")
+        _say(Message("no_file_to_fill", {"suffixes": list(inputs.SUFFIXES)}))
         return NOTHING
     if args.emit or not args.dry_run:
         journal.prepare(Path(settings.out))

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ..messages import Message
 from . import journal
 from .inputs import InputError
 
@@ -26,7 +27,7 @@ def written_list(files: Sequence[Path], out: Path) -> Path:
     """The list of files, in the folder of the results."""
     broken = next((file for file in files if "\n" in str(file) or "\r" in str(file)), None)
     if broken:
-        raise InputError(f"{str(broken)!r} has a line break in its name, and a list names one file a line")
+        raise InputError(Message("line_break_in_name", {"path": repr(str(broken))}))
     path = out / journal.FOLDER / "files.txt"
     path.write_text("".join(f"{file}\n" for file in files), encoding="utf-8", errors="surrogateescape")
     return path
@@ -104,13 +105,9 @@ def emitted(kind: str, files: Sequence[Path], out: Path, words: list[str], chunk
     chunk = max(chunk, -(-count // _MAX_TASKS))
     if kind == "commands":
         text = "".join(_line(_command(listed, out, words, range_)) + "\n" for range_ in _ranges(count, chunk))
-        return text, f"When all are done, this gathers their lines: {_line(_command(listed, out, words, None))}"
+        return text, Message("commands_emitted", {"command": _line(_command(listed, out, words, None))})
     if kind == "slurm":
-        return _slurm(count, chunk, listed, out, words, memory), f"The script says how it is submitted. {NOT_TRIED}"
+        return _slurm(count, chunk, listed, out, words, memory), Message("script_emitted")
     if kind == "openjd":
-        return _openjd(
-            count, chunk, words, listed, out
-        ), f"Submit it with the program of your farm, or try it: openjd run FILE. {NOT_TRIED}"
-    told = "contrib/flamenco/tripatch-batch.js belongs in the manager's scripts folder; then POST this to /api/v3/jobs"
-    told = f"{told}. {NOT_TRIED}"
-    return _flamenco(count, chunk, words, listed, out), told
+        return _openjd(count, chunk, words, listed, out), Message("template_emitted")
+    return _flamenco(count, chunk, words, listed, out), Message("job_emitted")

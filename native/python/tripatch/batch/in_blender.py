@@ -19,11 +19,11 @@ UNREADABLE, CRASHED, NOT_WRITTEN, MEMORY_LIMIT = "unreadable", "crashed", "not w
 
 
 class Stop(Exception):
-    """Nothing becomes of this file."""
+    """Nothing becomes of this file. code, parameters: of a message, which this Blender may lack."""
 
-    def __init__(self, status: str, reason: str) -> None:
-        super().__init__(reason)
-        self.status, self.reason = status, reason
+    def __init__(self, status: str, code: str | None, **parameters: str) -> None:
+        super().__init__(code)
+        self.answer = {"status": status, "code": code, "parameters": parameters}
 
 
 def command_line(asked: dict[str, Any]) -> Any:
@@ -39,12 +39,11 @@ def command_line(asked: dict[str, Any]) -> Any:
     try:
         module = importlib.import_module(name + ".command_line")
     except ImportError as error:
-        reason = f"This Blender has not the TriPatch add-on ({error}); install it there, or name its folder by --addon"
-        raise Stop(CRASHED, reason) from None
+        raise Stop(CRASHED, "addon_missing", reason=str(error)) from None
     if module.library.missing:
-        raise Stop(CRASHED, module.library.missing)
+        raise Stop(CRASHED, "addon_missing", reason=module.library.missing)
     if module.tripatch.__version__ != asked["version"]:
-        raise Stop(CRASHED, f"The add-on in Blender is TriPatch {module.tripatch.__version__}, and this is {asked['version']}")
+        raise Stop(CRASHED, "other_version", found=module.tripatch.__version__, wanted=asked["version"])
     return module
 
 
@@ -54,10 +53,10 @@ def opened(path: str) -> None:
         bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
     except RuntimeError as error:
         reason = str(error).strip().replace(path, os.path.basename(path))  # the same on every machine
-        raise Stop(UNREADABLE, f"Blender cannot open it: {reason}") from None
+        raise Stop(UNREADABLE, "blender_cannot_open", reason=reason) from None
     if tuple(bpy.data.version[:2]) > tuple(bpy.app.version[:2]):
-        of, this = (".".join(map(str, version[:2])) for version in (bpy.data.version, bpy.app.version))
-        raise Stop(UNREADABLE, f"It was saved by Blender {of}, and this one, {this}, would lose what it does not know")
+        saved, running = (".".join(map(str, version[:2])) for version in (bpy.data.version, bpy.app.version))
+        raise Stop(UNREADABLE, "blender_too_old", saved=saved, running=running)
 
 
 def objects() -> list[Any]:
@@ -109,9 +108,7 @@ def filled(module: Any, asked: dict[str, Any]) -> list[dict[str, Any]]:
     with contextlib.redirect_stderr(said):
         code = module.main(["--all", *given(options), "--out", asked["output"], "--report", report], prog="tripatch batch")
     if code == module.EXIT_USAGE:
-        raise Stop(
-            CRASHED, said.getvalue().strip().splitlines()[-1] if said.getvalue().strip() else "Blender refused the options"
-        )
+        raise Stop(CRASHED, "blender_refused_options", reason=(said.getvalue().strip().splitlines() or ["?"])[-1])
     holes: list[dict[str, Any]] = []
     with open(report, encoding="utf-8") as file:
         for ob in json.load(file):
@@ -122,7 +119,7 @@ def filled(module: Any, asked: dict[str, Any]) -> list[dict[str, Any]]:
             for reason in ob["refused"]:
                 holes.append({"object": ob["object"], "hole": len(holes), "status": record.REFUSED, "reason": reason})
     if code in (module.EXIT_ALL, module.EXIT_SOME) and not os.path.exists(asked["output"]):
-        raise Stop(NOT_WRITTEN, "Blender could not save it")
+        raise Stop(NOT_WRITTEN, "blender_cannot_save")
     return holes
 
 
@@ -221,9 +218,9 @@ def main(path: str) -> None:
         else:
             answer["holes"] = listed(module, asked["options"]) if asked["mode"] == "list" else filled(module, asked)
     except Stop as stop:
-        answer = {"status": stop.status, "reason": stop.reason}
+        answer = stop.answer
     except MemoryError:
-        answer = {"status": MEMORY_LIMIT, "reason": None}
+        answer = {"status": MEMORY_LIMIT, "code": None}
     part = asked["answer"] + ".part"
     with open(part, "w", encoding="utf-8") as file:
         json.dump(answer, file)

@@ -6,6 +6,9 @@ import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from ..errors import because
+from ..messages import Message
+
 #: What is looked for in folders. Files that are named may have any format that `tripatch fill` reads.
 SUFFIXES = (".obj", ".ply", ".stl", ".off", ".glb", ".gltf", ".3mf", ".usd", ".usda", ".usdc", ".blend")
 
@@ -18,7 +21,7 @@ _LEAST = 4096
 
 
 class InputError(ValueError):
-    """Files that cannot be meant; the message is a sentence."""
+    """Files that cannot be meant; the argument is a `Message`."""
 
 
 def listed(inputs: Sequence[str], out: Path) -> list[Path]:
@@ -32,7 +35,7 @@ def listed(inputs: Sequence[str], out: Path) -> list[Path]:
         elif path.exists() or path.is_symlink():
             found.add(path)
         else:
-            raise InputError(f"{given} does not exist")
+            raise InputError(Message("path_missing", {"path": given}))
     return sorted(found, key=os.fspath)
 
 
@@ -59,9 +62,9 @@ def from_list(path: Path) -> list[Path]:
         # not by splitlines: a name may hold what else ends a line of text
         lines = path.read_text(encoding="utf-8-sig", errors="surrogateescape").split("\n")
     except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}") from error
+        raise InputError(Message("file_unreadable", {"path": str(path), "reason": because(error)})) from error
     if any("\0" in line for line in lines):
-        raise InputError(f"{path} is no text file that names files, one a line")
+        raise InputError(Message("not_a_list", {"path": str(path)}))
     return [Path(os.path.abspath(path.parent / line)) for line in lines if line.strip()]
 
 
@@ -71,7 +74,7 @@ def root_of(files: Sequence[Path], given: str | None) -> Path:
         root = Path(os.path.abspath(given))
         outside = next((file for file in files if not file.is_relative_to(root)), None)
         if outside:
-            raise InputError(f"{outside} does not lie in the folder {root}, which --root names")
+            raise InputError(Message("outside_root", {"path": str(outside), "root": str(root)}))
         return root
     return Path(os.path.commonpath([file.parent for file in files])) if files else Path.cwd()
 
@@ -81,7 +84,7 @@ def check_places(files: Sequence[Path], inputs: Sequence[Path], root: Path, out:
     there = {identity for file in files if (identity := _identity(out / file.relative_to(root)))}
     over = next((file for file in inputs if _identity(file) in there), None) if there else None
     if over:
-        raise InputError(f"{over} would be written over; --out must be another folder than that of the inputs")
+        raise InputError(Message("would_overwrite", {"path": str(over), "option": "--out"}))
 
 
 def size(path: Path) -> int:

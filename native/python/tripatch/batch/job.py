@@ -13,13 +13,14 @@ import numpy as np
 
 from .. import borders, files
 from .._types import Array
-from ..errors import Refusal
+from ..errors import Refusal, because
 from ..filling import fill_all
+from ..messages import Message
 from ..options import checked
 from . import creases, crops, record
 from .settings import CROP, FILL, LIST, Settings
 
-OUTER = "An outer border of an open mesh, and no hole; --outer takes these too"
+OUTER = Message("outer_border_skipped", {"option": "--outer"})
 
 
 def sha256_of(path: Path) -> str | None:
@@ -48,11 +49,11 @@ def work(path: str, settings: Settings, done_before: dict[str, Any] | None = Non
     name = file.relative_to(settings.root).as_posix()
     try:
         if not stat.S_ISREG(file.stat().st_mode):  # a pipe would keep its reader waiting
-            raise OSError("it is no file with a content")
+            raise OSError(Message("not_a_regular_file"))
         with file.open("rb") as opened:
             sha256 = hashlib.file_digest(opened, "sha256").hexdigest()
     except OSError as error:
-        reason = f"{name} cannot be read: {error.strerror or error}"
+        reason: str = Message("file_unreadable", {"path": name, "reason": because(error)})
         return entry(settings, name, None, [record.of_file(settings, name, status=record.UNREADABLE, reason=reason)], begun)
     out = Path(settings.out, name)
     key, before = record.key(settings, name, sha256), done_before or {}
@@ -72,8 +73,7 @@ def work(path: str, settings: Settings, done_before: dict[str, Any] | None = Non
 
 
 def memory_reason(settings: Settings) -> str:
-    limit = f" of the {settings.memory_limit} MB that a file may use" if settings.memory_limit else ""
-    return f"The memory{limit} was not enough"
+    return Message("memory_not_enough", {"limit": settings.memory_limit} if settings.memory_limit else {})
 
 
 def entry(settings: Settings, name: str, sha256: str | None, lines: list[dict[str, Any]], begun: float) -> dict[str, Any]:
@@ -99,7 +99,8 @@ def _left(holes: borders.Holes, loops: list[Any], settings: Settings) -> dict[in
     for name in named:
         asked = checked("choose_holes", {"outer": True, name: choosing[name]})
         chosen = {int(loop[0]) for loop in holes.connected.chosen(asked)}
-        said = f"--{name.replace('_', '-')} {','.join(map(str, np.atleast_1d(choosing[name])))} leaves it out"
+        value = ",".join(map(str, np.atleast_1d(choosing[name])))
+        said = Message("filter_leaves_out", {"option": f"--{name.replace('_', '-')}", "value": value})
         for loop in loops:
             if int(loop[0]) not in chosen:
                 reasons.setdefault(int(loop[0]), said)

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, TextIO
 
-from ..files.writing import FileError, write_over
+from ..files.writing import unwritable, write_over
 from . import record
 
 FOLDER = ".tripatch-batch"
@@ -65,7 +65,7 @@ def prepare(out: Path) -> None:
         with tempfile.TemporaryFile(dir=out / FOLDER):
             pass
     except OSError as error:
-        raise FileError(f"Nothing can be written to {out}: {error.strerror or error}") from error
+        raise unwritable(out, error) from error
 
 
 def write_lines(out: Path, entries: Iterable[dict[str, Any]]) -> Path:

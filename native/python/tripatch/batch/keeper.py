@@ -14,6 +14,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from ..messages import Message
 from . import child, job, memory, record
 from .journal import Journal
 from .settings import FILL, Settings
@@ -141,7 +142,7 @@ class Keeper:
             self.close()
             raise _Ended(record.MEMORY_LIMIT, job.memory_reason(self._settings))
         if not good:
-            raise _Ended(record.CRASHED, f"TriPatch failed on it ({answer})")
+            raise _Ended(record.CRASHED, Message("failed_on_file", {"reason": str(answer)}))
         return answer
 
     def stop(self) -> None:
@@ -196,9 +197,10 @@ class Keeper:
         if self._watch.found:
             return _Ended(record.MEMORY_LIMIT, job.memory_reason(self._settings))
         if late:
-            return _Ended(record.TIME_LIMIT, f"It took longer than the {self._settings.time_limit:g} s that a file may take")
-        said = f" ({lines[-1][:200]})" if lines and code >= 0 else ""
-        name = signal.Signals(-code).name if code < 0 else ""  # Windows has no signals, not even their numbers
-        by = f"was ended by {name}" if name else f"ended with code {code}{said}"
-        memory = ", as by a system that is short of memory" if name == "SIGKILL" else ""
-        return _Ended(record.CRASHED, f"The process that filled it {by}{memory}")
+            return _Ended(record.TIME_LIMIT, Message("time_not_enough", {"seconds": f"{self._settings.time_limit:g}"}))
+        if code < 0:  # Windows has no signals, not even their numbers
+            said = {"signal": signal.Signals(-code).name}
+            said |= {"memory": "1"} if said["signal"] == "SIGKILL" else {}
+        else:
+            said = {"code": str(code)} | ({"reason": lines[-1][:200]} if lines else {})
+        return _Ended(record.CRASHED, Message("process_ended", {"program": "TriPatch", **said}))

@@ -12,11 +12,10 @@ import numpy as np
 from .. import quality, words
 from .._types import Array
 from ..canvas import Canvas
+from ..messages import Message
 from . import record
 from .keeper import Keeper
 from .settings import CROP, Settings
-
-NEEDED = "The picture of the worst seams needs Pillow: pip install 'tripatch[batch]'; --worst 0 leaves it out"
 
 _TILE, _TEXT, _COLUMNS, _FINER = 300, 46, 4, 2  # pixels, pixels, tiles, times
 _AROUND, _FILL, _BEHIND, _INK = (200, 200, 204), (120, 168, 224), (250, 250, 250), (30, 30, 40)
@@ -124,11 +123,13 @@ def tile(crop: dict[str, Any], size: int) -> Array:
 
 def _caption(place: int, line: dict[str, Any]) -> list[str]:
     name = line["input"] if len(line["input"]) <= 40 else "..." + line["input"][-37:]
-    hole = f"{line['object']}, " if line["object"] else ""
-    where = f"vertex {line['vertex']}, {line['edges']} edges" if line["vertex"] is not None else f"hole {line['hole']}"
-    said = f"faces meet at {words.degrees(line['crease_max'])}" if line["crease_max"] is not None else line["method"]
-    folded = f", folded at {line['triangles_folded']}" if line["triangles_folded"] else ""
-    return [f"{place}. {name}", f"{hole}{where}", said + folded]
+    where = {key: line[key] for key in ("object", "vertex", "edges") if line[key] is not None}
+    if "vertex" not in where:
+        where["hole"] = line["hole"]
+    angle = line["crease_max"]
+    said = {"method": line["method"]} if angle is None else {"angle": words.degrees(angle)}
+    said |= {"folded": line["triangles_folded"]} if line["triangles_folded"] else {}
+    return [f"{place}. {name}", Message("seam_place", where), Message("seam_measured", said)]
 
 
 def sheet(path: Path, holes: list[tuple[dict[str, Any], int]], settings: Settings, total: int) -> bool:
@@ -148,11 +149,11 @@ def sheet(path: Path, holes: list[tuple[dict[str, Any], int]], settings: Setting
             big.paste(Image.fromarray(tile(crop, _TILE * _FINER)), (left, top))
     image = big.resize(size, Image.Resampling.LANCZOS)
     draw, font = ImageDraw.Draw(image), ImageFont.load_default(12)
-    draw.text((8, 8), f"The worst {len(holes)} of {total} seams", fill=_INK, font=ImageFont.load_default(15))
+    draw.text((8, 8), Message("sheet_title", {"count": len(holes), "total": total}), fill=_INK, font=ImageFont.load_default(15))
     for k, (line, _) in enumerate(holes):
         left, top = k % columns * _TILE + 8, head + k // columns * (_TILE + _TEXT) + _TILE + 1
         if not crops[k]:
-            draw.text((left + _TILE / 2 - 8, top - _TILE / 2), "(changed since)", fill=_INK, font=font, anchor="mm")
+            draw.text((left + _TILE / 2 - 8, top - _TILE / 2), Message("picture_missing"), fill=_INK, font=font, anchor="mm")
         for row, text in enumerate(_caption(k + 1, line)):
             draw.text((left, top + 14 * row), text, fill=_INK, font=font)
     data = io.BytesIO()

@@ -7,7 +7,7 @@ import sys
 import time
 from typing import Any
 
-from ..words import counted
+from ..messages import Message
 from . import record
 
 #: Seconds between two looks at a bar, and between two plain lines.
@@ -52,13 +52,12 @@ class Progress:
             print(file=self._stream, flush=True)
 
     def _say(self, now: float) -> None:
-        text = f"{self._done} of {counted(self._total, 'file')}"
-        text += f", {counted(self._holes, 'hole')} filled" if self._holes else ""
-        text += f", {self._failed} failed" if self._failed else ""
-        text += f", {self._again} done before" if self._again else ""
+        counts = {"holes": self._holes, "failed": self._failed, "again": self._again}
+        said: dict[str, Any] = {"done": self._done, "files": self._total} | {name: n for name, n in counts.items() if n}
         fresh = self._done - self._again
         if fresh and self._done < self._total:
-            text += f", {duration((now - self._begun) / fresh * (self._total - self._done))} left"
+            said["left"] = duration((now - self._begun) / fresh * (self._total - self._done))
+        text = Message("batch_progress", said)
         if not self._terminal:
             print(f"tripatch: {text}", file=self._stream, flush=True)
             return

@@ -20,8 +20,6 @@ from . import inputs, job, record
 from .keeper import Keeper
 from .settings import Settings
 
-NEEDED = "--scheduler needs Dask: pip install 'tripatch[dask]'. Without it the files are done by this machine"
-
 #: Seconds after which a process that has nothing to do ends: a worker of somebody else's may live for weeks.
 _IDLE = 10.0
 
@@ -30,7 +28,7 @@ _lock = threading.Lock()
 
 
 class SchedulerError(RuntimeError):
-    """No scheduler to be had; the message is a sentence."""
+    """No scheduler to be had; the argument is a `Message`."""
 
 
 @contextlib.contextmanager
@@ -65,7 +63,7 @@ def _end_idle(free: dict[Keeper, threading.Timer], keeper: Keeper) -> None:
 def do_portion(portion: list[tuple[int, str, dict[str, Any] | None]], settings: Settings) -> list[tuple[int, dict[str, Any]]]:
     """On a worker: (place, path, what was before) of files -> (place, entry)."""
     if settings.version != __version__:
-        raise SchedulerError(f"The workers have TriPatch {__version__}, and {settings.version} is asked for")
+        raise SchedulerError(Message("other_version", {"found": __version__, "wanted": settings.version}))
     with _a_keeper(settings) as keeper:
         return [(k, keeper.work(path, before)) for k, path, before in portion]
 
@@ -74,16 +72,17 @@ def _client(address: str) -> Any:
     try:
         import distributed
     except ImportError:
-        raise SchedulerError(NEEDED) from None
+        needed = {"what": "--scheduler", "package": "Dask", "install": "'tripatch[dask]'"}
+        raise SchedulerError(Message("package_needed", needed)) from None
     try:
         return distributed.Client(address, timeout=30)
     except (OSError, ValueError) as error:
-        raise SchedulerError(f"There is no Dask scheduler at {address}: {error}") from error
+        raise SchedulerError(Message("no_scheduler", {"address": address, "reason": str(error)})) from error
 
 
 def _given_up(k: int, file: Path, settings: Settings) -> tuple[int, dict[str, Any]]:
     name = file.relative_to(settings.root).as_posix()
-    reason = "Every worker that was given it was lost"
+    reason = Message("workers_lost")
     line = record.of_file(settings, name, sha256=job.sha256_of(file), status=record.CRASHED, reason=reason)
     return k, {"name": name, "key": None, "output_sha256": None, "seconds": 0.0, "lines": [line]}
 

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import _arrays
+from ..messages import Message
 from .gltf import GltfFile
 from .mesh_file import MeshFile
 from .obj import ObjFile
@@ -31,7 +32,7 @@ from .ply import PlyFile
 from .stl import StlFile
 from .threemf import ThreemfFile
 from .usd import UsdFile
-from .writing import FileError, write_over
+from .writing import FileError, unreadable, unwritable, write_over
 
 __all__ = ["FileError", "MeshFile", "check_folder", "check_output", "converted", "read", "write", "write_over"]
 
@@ -58,12 +59,10 @@ def read(path: str | os.PathLike[str]) -> MeshFile:
     try:
         path.stat()
         if not path.suffix:
-            raise FileError("Its name has no suffix that tells the format; call it, say, mesh.obj")
+            raise FileError(Message("no_suffix", {"path": path.name}))
         return _class_for(path).of_path(path)
-    except FileError as error:
-        raise FileError(f"{path} cannot be read. {error}") from error
-    except OSError as error:
-        raise FileError(f"{path} cannot be read: {error.strerror or error}") from error
+    except (FileError, OSError) as error:
+        raise unreadable(path, error) from error
 
 
 def _class_for(path: Path) -> type[MeshFile]:
@@ -90,7 +89,7 @@ def write(path: str | os.PathLike[str], mesh: Any) -> None:
     if not isinstance(mesh, MeshFile):
         pair = (mesh.vertices, mesh.faces) if hasattr(mesh, "vertices") and hasattr(mesh, "faces") else mesh
         if not isinstance(pair, tuple) or len(pair) != 2:
-            raise TypeError(f"write needs a mesh with .vertices and .faces, or a pair of both, not {type(mesh).__name__}")
+            raise TypeError(Message("mesh_needed", {"function": "write()", "type": type(mesh).__name__}))
         vertices, offsets, corners = _arrays.mesh(*pair)
         mesh = MeshFile(vertices.copy(), (offsets, corners))
     (mesh if mesh.suffix.lower() == path.suffix.lower() else converted(mesh, path.suffix)).write(path)
@@ -103,9 +102,9 @@ def check_output(path: Path) -> None:
         FileError: the format is not known, or the folder is not there.
     """
     if path.is_dir():
-        raise FileError(f"{path} cannot be written: it is a folder")
+        raise unwritable(path, IsADirectoryError(Message("is_a_folder")))
     if not path.suffix:
-        raise FileError(f"{path} has no suffix that names a format; call it, say, {path if path.name != '-' else 'out'}.obj")
+        raise FileError(Message("no_suffix", {"path": str(path)}))
     if path.suffix.lower() not in _OWN:
         _SCENES.get(path.suffix.lower(), MeshioFile).check_suffix(path.suffix)
     check_folder(path)
@@ -114,7 +113,7 @@ def check_output(path: Path) -> None:
 def check_folder(path: Path) -> None:
     """Whether the folder of a file is there."""
     if not path.absolute().parent.is_dir():
-        raise FileError(f"{path} cannot be written: the folder {path.parent} does not exist")
+        raise FileError(Message("folder_missing", {"path": str(path.parent)}))
 
 
 def converted(mesh: MeshFile, suffix: str, joined: Any = None) -> MeshFile:

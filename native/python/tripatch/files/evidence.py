@@ -8,12 +8,11 @@ import json
 from collections.abc import Iterable
 from typing import Any
 
+from ..messages import Message
 from .writing import FileError
 
 #: Of every face: 0, the mesh's own; k, of the k-th fill. Called as Blender's attribute.
 FILL = "tripatch_fill"
-
-_CHANGED = "The fills moved vertices or split edges, or the file was changed since: the original cannot be restored"
 
 
 def about(fill: Any, hashes: dict[int, tuple[Any, str]] | None = None) -> dict[str, Any]:
@@ -67,7 +66,7 @@ def original(found: Iterable[bytes], expected: str) -> bytes:
     for data in found:
         if sha256(data) == expected:
             return data
-    raise FileError(_CHANGED)
+    raise FileError(Message("original_lost"))
 
 
 def edits(pieces: Iterable[tuple[bytes, bytes]]) -> list[list[Any]]:
@@ -94,6 +93,4 @@ def undone(data: bytes, report: Any) -> bytes:
     except (KeyError, TypeError, ValueError) as error:
         if isinstance(error, FileError):
             raise
-        raise FileError(
-            "The report does not say how the file was before; give the one that `tripatch fill --report` wrote"
-        ) from None
+        raise FileError(Message("original_not_in_report")) from None

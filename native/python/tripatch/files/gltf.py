@@ -21,11 +21,12 @@ import numpy as np
 
 from .. import quality
 from .._types import Array
+from ..messages import Message
 from . import evidence
 from .gltf_buffers import BIN, JSON, KINDS, WIDTHS, Writer, as_uri, dumped, glb
 from .mesh_file import MeshFile
 from .scene import Addition, Part, SceneFile
-from .writing import FileError
+from .writing import FileError, damaged, unreadable
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
@@ -57,13 +58,14 @@ class GltfFile(SceneFile):
         try:
             self._json = json.loads(self._text.rstrip(b"\0").decode("utf-8-sig"))
             if not str(self._json["asset"]["version"]).startswith("2."):
-                raise FileError(f"The file is glTF {self._json['asset']['version']}; version 2.0 can be read")
+                said = {"format": "glTF", "version": str(self._json["asset"]["version"]), "known": "2.0"}
+                raise FileError(Message("version_unreadable", said))
         except (ValueError, KeyError, TypeError):
-            raise FileError("The file is no glTF file, or is damaged") from None
+            raise damaged("glTF") from None
         used = json.dumps([self._json.get("meshes"), self._json.get("bufferViews")])
         packed = next((name for name in _COMPRESSED if f'"{name}"' in used), None)
         if packed:
-            raise FileError(f"The meshes are compressed by {packed}, which cannot be read; export the file without compression")
+            raise FileError(Message("meshes_compressed", {"extension": packed}))
         self._groups: dict[tuple[int, int], _Rows] = {}
         self._buffers: dict[int, bytes] = {}
         self._primitives: list[Array] = []  # of each part the primitive of each of its faces
@@ -74,7 +76,7 @@ class GltfFile(SceneFile):
         except (LookupError, TypeError, ValueError, AttributeError, RecursionError) as error:
             if isinstance(error, FileError):
                 raise
-            raise FileError(f"The glTF file is damaged ({type(error).__name__}: {error})") from None
+            raise damaged("glTF", f"{type(error).__name__}: {error}") from None
         self._decoded_cache: dict[int, Array] = {}
         super().__init__(parts, given)
 
@@ -109,17 +111,18 @@ class GltfFile(SceneFile):
         """The JSON of a GLB; its buffer is kept, and what follows."""
         data = self._data
         if len(data) < 20 or struct.unpack_from("<I", data, 4)[0] != 2:
-            raise FileError("The GLB file ends early, or is not of version 2")
+            raise damaged("GLB")
         length, kind = struct.unpack_from("<II", data, 12)
         if kind != JSON or 20 + length > len(data):
-            raise FileError("The GLB file ends early, or does not start with its JSON")
+            raise damaged("GLB")
         end = 20 + length
         self._rest = data[end:]
         if len(self._rest) >= 8:
             size, kind = struct.unpack_from("<II", self._rest)
             if kind == BIN:
                 if 8 + size > len(self._rest):
-                    raise FileError(f"The GLB file ends early: it announces {size} bytes of data and holds {len(self._rest) - 8}")
+                    said = {"format": "GLB", "announced": size, "held": len(self._rest) - 8}
+                    raise FileError(Message("file_ends_early", said))
                 self._bin, self._rest = self._rest[8 : 8 + size], self._rest[8 + size :]
         return data[20:end]
 
@@ -134,7 +137,7 @@ class GltfFile(SceneFile):
                 own = self._decoded(primitive["attributes"]["POSITION"])
                 triangles = self._triangles(primitive, len(own))
                 if triangles.size and triangles.max() >= len(own):
-                    raise FileError(f"Mesh {mesh} has a face that names a vertex which does not exist")
+                    raise FileError(Message("face_without_vertex", {"name": f"meshes[{mesh}]"}))
                 points.append(own)
                 corners.append(triangles.ravel() + count)
                 owners.append(np.full(len(triangles), p))
@@ -188,7 +191,7 @@ class GltfFile(SceneFile):
         try:
             return path.read_bytes()
         except OSError as error:
-            raise FileError(f"Its data in {path} cannot be read: {error.strerror or error}") from error
+            raise unreadable(path, error) from error
 
     def _accessor(self, k: int) -> Array:
         """(count, width) as it is stored."""
@@ -354,7 +357,7 @@ class GltfFile(SceneFile):
         """The file as it was before its fills."""
         before = next((extras[_ORIGINAL] for _, extras in self._extras() if _ORIGINAL in extras), None)
         if before is None:
-            raise FileError("The file has no fills by TriPatch")
+            raise FileError(Message("no_fills_in_file"))
         view = self._json["bufferViews"][before["bufferView"]]
         start = view.get("byteOffset", 0)
         text = zlib.decompress(self._buffer(view["buffer"])[start : start + view["byteLength"]])

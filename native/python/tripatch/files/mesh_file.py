@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import _arrays
 from .._types import Array
+from ..messages import Message
 from . import evidence
 from .continued import Continued
 from .writing import FileError, write_over
@@ -44,12 +45,12 @@ class MeshFile:
                 faces = faces.shape[1], faces.astype(np.int64, copy=False).reshape(-1)
             offsets, corners = faces if isinstance(faces, tuple) else _arrays.faces(faces)
         except (OverflowError, TypeError):
-            raise FileError(f"A face names a vertex far beyond those that exist; there are {len(vertices)}") from None
+            raise FileError(Message("face_without_vertex", {"name": "faces"})) from None
         self.faces = _arrays.Rows(offsets, corners)
         if corners.size and (corners.min() < 0 or corners.max() >= len(vertices)):
             place = int(np.argmax((corners < 0) | (corners >= len(vertices))))
             face = int(np.searchsorted(self.faces.offsets, place, "right")) - 1
-            raise FileError(f"Face {face} names a vertex that does not exist; there are {len(vertices)}")
+            raise FileError(Message("face_without_vertex", {"face": face}))
         self._added = 0  # vertices
         self._marks, self._number = False, 0  # whether fills are distinguished, and how many there are
         self._about: list[dict[str, Any]] = []  # of each that was added
@@ -188,9 +189,7 @@ class MeshFile:
         Raises:
             FileError: it does not say how it was, or was changed since.
         """
-        raise FileError(
-            f"{self.suffix or 'These'} files do not say which faces are fills; name the report with --report FILE.json"
-        )
+        raise FileError(Message("original_not_kept", {"suffix": self.suffix, "report": 1}))
 
     def _pieces(self) -> list[tuple[bytes, bytes]] | None:
         """The file as it is written, in parts, each with what stood there before; None: the file itself tells."""
@@ -202,7 +201,7 @@ class MeshFile:
         Raises:
             FileError: files of this format have no place for it.
         """
-        raise FileError("Only PLY files hold the deviation of their vertices; give OUT a name that ends in .ply")
+        raise FileError(Message("option_needs", {"option": "--deviation", "needed": "OUT.ply"}))
 
     def write(self, path: Path) -> None:
         """Writes the file as it was, with the fills added, in the format of the file that was read."""

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from .._types import Array
+from ..messages import Message
 from . import evidence, writing
 from .continued import Continued
 from .lines import SPACE, Lines, rows_of
@@ -36,7 +37,7 @@ class ObjFile(MeshFile):
         self._changed: dict[int, tuple[int, list[Any]]] = {}  # faces that were split: place in `new`, corners
         self._replaced: dict[int, bytes] = {}  # what stands instead of a line
         if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-            raise FileError("The file is UTF-16 text; save it as UTF-8")
+            raise FileError(Message("text_not_utf8"))
         self._data, self._lines = data, Lines(data, continued=True)
         end = re.search(rb"\r\n?|\n", data)
         self._eol = end[0] if end else b"\n"
@@ -134,7 +135,7 @@ class ObjFile(MeshFile):
         end = int(self._lines.starts[k + 1])
         number = len(re.findall(rb"\r\n?|\n", self._data[:end])) + (not self._data[:end].endswith((b"\n", b"\r")))
         text = self._lines.text(k).strip().decode(errors="replace")[:60]
-        return FileError(f"Line {number} cannot be understood: {text}")
+        return FileError(Message("line_unreadable", {"line": number, "text": text}))
 
     def _extra(self, v: int) -> Sequence[bytes]:
         """What the file says of a vertex beyond its place."""
@@ -294,7 +295,7 @@ class ObjFile(MeshFile):
         """The file as it was before its fills."""
         found = re.search(rb"^" + _ORIGINAL + rb"(.*)$", self._data, re.MULTILINE)
         if not found:
-            raise FileError("The file has no fills by TriPatch")
+            raise FileError(Message("no_fills_in_file"))
         before = json.loads(found[1])
         return evidence.original([self._data[: before["bytes"]]], before["sha256"])
 

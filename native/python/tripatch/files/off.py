@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from .._types import Array
+from ..messages import Message
 from . import writing
 from .continued import Continued
 from .lines import SPACE, Lines, rows_of
 from .mesh_file import MeshFile
-from .writing import FileError
+from .writing import FileError, damaged
 
 
 class OffFile(MeshFile):
@@ -26,13 +27,13 @@ class OffFile(MeshFile):
         self._eol = end[0] if end else b"\n"
         rows = self._rows()
         if not len(rows):
-            raise FileError("The file is empty")
+            raise damaged("OFF")
         words = self._words(int(rows[0]))
         head = re.fullmatch(rb"(ST)?(C)?(N)?(4)?(n)?OFF", words[0].removeprefix(writing.BYTE_ORDER_MARK))
         if not head:
-            raise FileError("An OFF file must start with OFF")
+            raise damaged("OFF")
         if head[4] or head[5]:
-            raise FileError("OFF files of other than three dimensions cannot be read")
+            raise FileError(Message("version_unreadable", {"format": "OFF", "version": head[0].decode()}))
         self._has_normals = bool(head[3])
         counts = words[1:]
         if not counts:
@@ -43,14 +44,14 @@ class OffFile(MeshFile):
             n, m = int(counts[0]), int(counts[1])
             self._edges = int(counts[2]) if len(counts) > 2 else 0  # many writers leave it at 0
             if n < 0 or m < 0 or len(rows) < 1 + n + m:
-                raise FileError(f"The file announces {n} vertices and {m} faces, but has {len(rows) - 1} lines of them")
+                raise FileError(Message("file_ends_early", {"format": "OFF", "announced": n + m, "held": len(rows) - 1}))
             self._vertex_lines = rows[1 : 1 + n]
             vertices = self._read_vertices()
             faces = self._read_faces(rows[1 + n : 1 + n + m])
         except FileError:
             raise
         except (ValueError, IndexError, OverflowError):
-            raise FileError("The file is no OFF file with a vertex or face on each line") from None
+            raise damaged("OFF") from None
         last = int(rows[n]) + 1
         self._cut = last, (int(rows[n + m]) + 1 if m else last)
         self._new_vertices: list[bytes] = []

@@ -12,7 +12,7 @@ import numpy as np
 from .._types import Array
 from .continued import Continued
 from .mesh_file import MeshFile
-from .writing import FileError
+from .writing import damaged
 
 #: What programs write, the documented form first: byte order, numbers of vertices, whether a face's colors follow its corners.
 #: Geomview: big-endian, floats, colors counted; pmp-library: as its machine has them, no colors.
@@ -28,7 +28,7 @@ class BinaryOffFile(MeshFile):
         self._head = data[: data.index(b"\n") + 1] if b"\n" in data else data
         kind = re.match(rb"(?:\xef\xbb\xbf)?(ST)?(C)?(N)?(4)?(n)?OFF\s", self._head)
         if not kind or kind[4] or kind[5]:
-            raise FileError("A binary OFF file must start with OFF BINARY and have three dimensions")
+            raise damaged("binary OFF")
         self._normals = bool(kind[3])
         width = 3 + 3 * bool(kind[3]) + 4 * bool(kind[2]) + 2 * bool(kind[1])
         body = memoryview(data)[len(self._head) :]
@@ -38,7 +38,7 @@ class BinaryOffFile(MeshFile):
             if rows:
                 break
         else:
-            raise FileError("The binary OFF file is damaged, or of a form that is not known")
+            raise damaged("binary OFF")
         self._vertex_rows, self._face_rows = rows
         self._row_of = [k for k, (face, _) in enumerate(self._face_rows) if len(face) >= 3]
         self._new_vertices: list[bytes] = []

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from .._types import Array
+from ..messages import Message
 from .continued import Continued
 from .evidence import FILL
 from .mesh_file import MeshFile
@@ -21,7 +22,8 @@ def _meshio(suffix: str) -> Any:
     try:
         import meshio
     except ImportError:
-        raise FileError(f"For {suffix} files meshio is needed: pip install tripatch[files]") from None
+        needed = {"what": suffix, "package": "meshio", "install": "tripatch[files]"}
+        raise FileError(Message("package_needed", needed)) from None
     return meshio
 
 
@@ -37,7 +39,7 @@ class MeshioFile(MeshFile):
         self._mesh, self._suffix, self._options = mesh, suffix, options
         points = np.asarray(mesh.points, float)
         if points.ndim != 2 or points.shape[1] not in (2, 3):
-            raise FileError("The file has no points in space")
+            raise FileError(Message("file_lacks_mesh", {"format": suffix}))
         if points.shape[1] == 2:
             points = np.column_stack([points, np.zeros(len(points))])
         faces, self._cell_of = [], []
@@ -51,8 +53,8 @@ class MeshioFile(MeshFile):
     def check_suffix(suffix: str) -> None:
         """Raises FileError for a format that meshio does not write."""
         if suffix.lower() not in _meshio(suffix).extension_to_filetypes:
-            known = ".obj, .ply, .stl, .off, .glb, .gltf, .3mf and .usd"
-            raise FileError(f"{suffix} files cannot be written; {known} can, and what meshio knows")
+            known = [".obj", ".ply", ".stl", ".off", ".glb", ".gltf", ".3mf", ".usd"]
+            raise FileError(Message("suffix_unwritable", {"suffix": suffix, "suffixes": known}))
 
     @classmethod
     def of_path(cls, path: Path) -> MeshioFile:
@@ -67,7 +69,8 @@ class MeshioFile(MeshFile):
         try:
             mesh = meshio.read(path)
         except (Exception, SystemExit) as error:  # meshio ends the process on a suffix that it does not know
-            raise FileError(f"meshio cannot read it: {error or type(error).__name__}") from error
+            said = {"package": "meshio", "reason": str(error) or type(error).__name__}
+            raise FileError(Message("package_cannot_read", said)) from error
         made = cls(mesh, path.suffix, options)
         made.suffix = path.suffix
         return made
@@ -152,4 +155,5 @@ class MeshioFile(MeshFile):
         except OSError:
             raise
         except (Exception, SystemExit) as error:
-            raise FileError(f"meshio cannot write {self._suffix} files of this kind: {error or type(error).__name__}") from error
+            said = {"package": "meshio", "suffix": self._suffix, "reason": str(error) or type(error).__name__}
+            raise FileError(Message("package_cannot_write", said)) from error

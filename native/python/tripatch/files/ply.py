@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 
 from .._types import Array
+from ..messages import Message
 from . import evidence, writing
 from .continued import Continued
 from .lines import EditedLines, rows_of
 from .mesh_file import DEVIATION, NOT_KNOWN, MeshFile
-from .writing import FileError
+from .writing import FileError, damaged
 
 _PLY_TYPES = {
     name: code
@@ -73,7 +74,7 @@ class PlyFile(MeshFile):
     def __init__(self, data: bytes) -> None:
         end = re.search(rb"(?:^|[\r\n])end_header[ \t]*(\r\n|\n|\r)", data)
         if not data.startswith(b"ply") or not end:
-            raise FileError("The file is no PLY file: its header is missing or has no end")
+            raise damaged("PLY")
         self._data: bytes | bytearray = data
         self._eol = end[1]
         self._elements: list[_PlyElement] = []
@@ -97,24 +98,24 @@ class PlyFile(MeshFile):
                     self._elements[-1].head_end = line.end()
             except (LookupError, ValueError):
                 said = line[0].decode("latin-1").strip()[:60]
-                raise FileError(f"The PLY header has a line that cannot be understood: {said}") from None
+                raise FileError(Message("line_unreadable", {"header": 1, "text": said})) from None
         if form not in ("ascii", "binary_little_endian", "binary_big_endian"):
-            raise FileError(f"The PLY format {form or '(none given)'} is not known")
+            raise FileError(Message("version_unreadable", {"format": "PLY", "version": form or "?"}))
         self._order = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}[form]
         self._body = end.end()
 
         found = {e.name: e for e in self._elements}
         if "vertex" not in found or "face" not in found:
-            raise FileError("The PLY file has no vertices or no faces")
+            raise FileError(Message("file_lacks_mesh", {"format": "PLY"}))
         self._vertex, self._face = found["vertex"], found["face"]
         self._xyz = [self._vertex.index(c) for c in "xyz"]
         self._index = max(self._face.index("vertex_indices"), self._face.index("vertex_index"))
         if min(self._xyz) < 0 or self._index < 0 or self._face.properties[self._index][2] is None:
-            raise FileError("The PLY file has vertices without x, y, z or faces without vertex indices")
+            raise FileError(Message("file_lacks_mesh", {"format": "PLY"}))
         try:
             vertices, sizes, corners = self._read_text() if form == "ascii" else self._read_binary()
         except (ValueError, IndexError, OverflowError, MemoryError, struct.error):
-            raise FileError("The PLY file is damaged: it ends early or holds what is no number") from None
+            raise damaged("PLY") from None
         self._changed: dict[int, list[Any]] = {}  # rows of faces that were split
         self._deviation_at = -1  # property of new vertices that is their fill's; -1: all are as those of the rim
         self._row_of: Sequence[int] = range(self._face.count)
@@ -151,7 +152,7 @@ class PlyFile(MeshFile):
         """The same file with a number `deviation` at every vertex, 0 where it had none; fills write theirs there."""
         vertex, k = self._vertex, self._vertex.index(DEVIATION)
         if k >= 0 and (vertex.properties[k][2] or vertex.properties[k][1] not in "fd"):
-            raise FileError(f"The vertices of the PLY file have a property {DEVIATION} that is not one float; rename it")
+            raise FileError(Message("property_type", {"element": "vertex", "name": DEVIATION}))
         made = self if k >= 0 else self._again(self._with_zeros(vertex, "float", DEVIATION))
         made._deviation_at = made._vertex.index(DEVIATION)
         return made
@@ -201,7 +202,7 @@ class PlyFile(MeshFile):
         will say the rest."""
         face, k = self._face, self._face.index(evidence.FILL)
         if k >= 0 and (face.properties[k][2] or face.properties[k][1] in "fd"):
-            raise FileError(f"The faces of the PLY file have a property {evidence.FILL} that is not one whole number; rename it")
+            raise FileError(Message("property_type", {"element": "face", "name": evidence.FILL}))
         made = self
         if k < 0:
             said: dict[str, Any] = {
@@ -240,7 +241,7 @@ class PlyFile(MeshFile):
         head = bytes(self._data[: self._body])
         found = re.search(rb"(?<=[\r\n])" + _ORIGINAL + rb"([^\r\n]*)", head)
         if not found or self._face.index(evidence.FILL) < 0:
-            raise FileError("The file has no fills by TriPatch")
+            raise FileError(Message("no_fills_in_file"))
         before = json.loads(found[1])
         fills = [json.loads(each) for each in re.findall(rb"(?<=[\r\n])" + _FILL + rb"([^\r\n]*)", head)]
         gone = {"vertex": sum(fill["vertices"] for fill in fills), "face": sum(fill["faces"] for fill in fills)}
@@ -417,7 +418,7 @@ class PlyFile(MeshFile):
                 at += count
         except (ValueError, IndexError):  # of a vertex only the position was read before
             said = line.strip().decode(errors="replace")[:60]
-            raise FileError(f"Row {k} of the {element.name} elements is not what the PLY header says: {said}") from None
+            raise FileError(Message("line_unreadable", {"row": k, "element": element.name, "text": said})) from None
         return row
 
     def _read_binary(self) -> Any:
@@ -533,9 +534,7 @@ class PlyFile(MeshFile):
                 if list_kind:
                     binary = struct.pack((self._order or "<") + list_kind, len(values)) + binary
             except (struct.error, OverflowError):
-                raise FileError(
-                    f"The new {element.name} rows need larger numbers than the file's type of index can hold"
-                ) from None
+                raise FileError(Message("indices_too_large", {"element": element.name})) from None
             if self._order:
                 parts.append(binary)
             else:

@@ -11,6 +11,7 @@ import numpy as np
 
 from .. import _arrays, quality
 from .._types import Array
+from ..messages import Message
 from . import evidence
 from .continued import Continued
 from .mesh_file import MeshFile
@@ -47,7 +48,7 @@ class Part:
         if self.matrix is not None:
             turn = np.linalg.det(self.matrix[:3, :3])
             if not abs(turn) > 1e-12 * np.linalg.norm(self.matrix[:3, :3]) ** 3:
-                raise FileError("A mesh is scaled to zero in the scene, so its holes have no shape; give it another scale")
+                raise FileError(Message("mesh_scaled_to_zero"))
             self.flipped ^= bool(turn < 0)
 
     def in_world(self) -> Array:
@@ -137,7 +138,7 @@ class SceneFile(MeshFile):
         place = np.concatenate([np.zeros(0, np.int64), *places])
         size = np.concatenate([np.zeros(0, np.int64), *sizes])
         if own.size and not 0 <= own.min() <= own.max() < len(place):
-            raise FileError("A face names a vertex that does not exist")
+            raise FileError(Message("face_without_vertex", {"name": "faces"}))
         joined = place[own]
         # faces without area since vertices at one place are one
         starts = np.concatenate([[0], np.cumsum(size)]).astype(np.int64)

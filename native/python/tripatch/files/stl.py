@@ -12,11 +12,12 @@ import numpy as np
 from .. import _arrays
 from .._types import Array
 from ..borders import Joined
+from ..messages import Message
 from . import writing
 from .continued import Continued
 from .lines import Lines
 from .mesh_file import MeshFile
-from .writing import FileError
+from .writing import FileError, damaged
 
 
 def _corner_triangles(faces: list[list[int]]) -> Any:
@@ -72,7 +73,7 @@ class StlFile(MeshFile):
         if self._binary:
             if len(data) < 84 + 50 * count:
                 held = (len(data) - 84) // 50
-                raise FileError(f"The file is no STL file, or it ends early: it announces {count} triangles and holds {held}")
+                raise FileError(Message("file_ends_early", {"format": "STL", "announced": count, "held": held}))
             records = np.frombuffer(data, _STL_RECORD, count, 84)
             corners = records["corners"]
             self._part_of = records["attribute"]
@@ -84,14 +85,14 @@ class StlFile(MeshFile):
     def _read_text(self) -> Array:
         data = self._data
         if not re.match(rb"(?i)\s*solid", data):
-            raise FileError("The file is no STL file: it neither starts with 'solid' nor holds as many triangles as it announces")
+            raise damaged("STL")
         lines = Lines(data)
         self._ends = lines.starts[lines.beginning_with(b"endsolid")].tolist()
         chosen = lines.beginning_with(b"vertex")
         if not self._ends:
-            raise FileError(f"The STL file ends early: it has {len(chosen) // 3} triangles and no 'endsolid'")
+            raise FileError(Message("file_ends_early", {"format": "STL"}))
         if len(chosen) % 3:
-            raise FileError(f"The STL file is damaged: it has {len(chosen)} vertices, which are no whole triangles")
+            raise damaged("STL")
         self._part_of = np.searchsorted(self._ends[:-1], lines.starts[chosen[::3]])
         self._spans = np.column_stack([lines.starts[chosen[::3]], lines.starts[chosen[2::3] + 1]])
         corners = np.full((len(chosen), 3), np.nan)
@@ -104,7 +105,7 @@ class StlFile(MeshFile):
             for k in np.flatnonzero(left).tolist():
                 corners[k] = [float(word) for word in lines.words(chosen[k])[1:4]]
         except ValueError:
-            raise FileError("The STL file has a vertex that is no three numbers") from None
+            raise damaged("STL") from None
         return corners
 
     @classmethod
@@ -130,10 +131,10 @@ class StlFile(MeshFile):
             self._also_at.setdefault(v, []).append(f)
 
     def _move(self, v: int, place: Array) -> None:
-        raise FileError("An STL file has a copy of a vertex for every triangle and none is moved; write another format")
+        raise FileError(Message("stl_moves_nothing"))
 
     def _split(self, f: int, place: int, v: int, t: float) -> None:
-        raise FileError("An STL file holds triangles, and one with a split edge is none; write another format")
+        raise FileError(Message("stl_moves_nothing"))
 
     def _look(self, f: int) -> Hashable:
         return int(self._part_of[f])

@@ -23,10 +23,11 @@ import numpy as np
 
 from .. import quality
 from .._types import Array
+from ..messages import Message
 from . import evidence, writing
 from .mesh_file import MeshFile
 from .scene import Addition, Part, SceneFile
-from .writing import FileError
+from .writing import FileError, damaged
 
 _ROOT = "3D/3dmodel.model"
 _ORIGINAL = b"tripatch original "
@@ -153,9 +154,9 @@ class ThreemfFile(SceneFile):
                 names = [name for name in package.namelist() if name.lower().endswith(".model")]
                 self._models = {"/" + name: _Model(name, package.read(name)) for name in names}
         except (zipfile.BadZipFile, zlib.error, expat.ExpatError, LookupError, ValueError, RuntimeError, EOFError) as error:
-            raise FileError(f"The file is no 3MF file, or is damaged ({error})") from None
+            raise damaged("3MF", error) from None
         if not self._models:
-            raise FileError("The file is no 3MF file: it holds no model")
+            raise damaged("3MF")
         self._root = f"/{_ROOT}" if f"/{_ROOT}" in self._models else next(iter(self._models))
         self._new: dict[tuple[str, str], list[bytes]] = {}  # triangles of an object
         self._where: list[tuple[_Model, str]] = []
@@ -202,7 +203,7 @@ class ThreemfFile(SceneFile):
                     corners = np.array(each.triangles, np.int64)
                     points = np.array(each.vertices).reshape(-1, 3)
                     if corners.min() < 0 or corners.max() >= len(points):
-                        raise FileError(f"Object {number} has a triangle that names a vertex which does not exist")
+                        raise FileError(Message("face_without_vertex", {"name": f"object {number}"}))
                     yield Part(points, np.arange(0, len(corners) + 1, 3), corners, found.get((path, number)))
                     each.vertices = []
 
@@ -280,7 +281,7 @@ class ThreemfFile(SceneFile):
         with zipfile.ZipFile(io.BytesIO(self._data)) as package:
             found = re.search(rb"^" + _ORIGINAL + rb"(\{.*\})$", package.comment, re.MULTILINE)
         if not found:
-            raise FileError("The file has no fills by TriPatch")
+            raise FileError(Message("no_fills_in_file"))
         before = json.loads(found[1])
         return evidence.original([self._data[: before["bytes"]]], before["sha256"])
 
@@ -397,5 +398,5 @@ def _matrix(transform: str | None) -> Array:
         try:
             made[:3] = np.array(transform.split(), float).reshape(4, 3).T
         except ValueError:
-            raise FileError(f"The 3MF file has a transform that is not twelve numbers: {transform[:60]}") from None
+            raise damaged("3MF", transform[:60]) from None
     return made

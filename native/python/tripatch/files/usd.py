@@ -14,6 +14,7 @@ import numpy as np
 
 from .. import _arrays
 from .._types import Array
+from ..messages import Message
 from . import evidence
 from .mesh_file import MeshFile
 from .scene import Addition, Part, SceneFile, blended
@@ -21,14 +22,14 @@ from .writing import FileError
 
 _MARK = f"primvars:{evidence.FILL}"
 _PER_POINT = ("vertex", "varying")
-_ANIMATED = "is animated by time samples; write one frame of it to a file of its own"
 
 
 def _pxr(suffix: str) -> Any:
     try:
         from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
     except ImportError:
-        raise FileError(f"For {suffix} files usd-core is needed: pip install tripatch[usd]") from None
+        needed = {"what": suffix, "package": "usd-core", "install": "tripatch[usd]"}
+        raise FileError(Message("package_needed", needed)) from None
     return dataclasses.make_dataclass("Modules", ["Sdf", "Tf", "Usd", "UsdGeom", "UsdUtils"])(Sdf, Tf, Usd, UsdGeom, UsdUtils)
 
 
@@ -104,14 +105,14 @@ class UsdFile(SceneFile):
         """Opens the layer, and those that it refers to."""
         modules = _pxr(path.suffix)
         if path.suffix.lower() == ".usdz":
-            raise FileError("A .usdz package cannot be edited in place; unpack it and give the layer that it holds")
+            raise FileError(Message("package_in_place"))
         with path.open("rb") as file:
             is_text = not file.read(8).startswith(b"PXR-USDC")
         try:
             made = cls(modules.Sdf.Layer.OpenAsAnonymous(str(path.absolute())), path.suffix, path.parent.absolute())
         except (modules.Tf.ErrorException, AttributeError) as error:
-            said = str(error).strip().splitlines()[-1:] or ["it is no USD layer"]
-            raise FileError(f"usd-core cannot read it: {said[0].strip()}") from None
+            reason = (str(error).strip().splitlines() or [type(error).__name__])[-1].strip()
+            raise FileError(Message("package_cannot_read", {"package": "usd-core", "reason": reason})) from None
         made._is_text = is_text
         return made
 
@@ -137,7 +138,7 @@ class UsdFile(SceneFile):
         """Raises FileError if usd-core is missing, or for a package."""
         _pxr(suffix)
         if suffix.lower() == ".usdz":
-            raise FileError(".usdz packages cannot be written; give OUT a name that ends in .usdc or .usda")
+            raise FileError(Message("suffix_unwritable", {"suffix": ".usdz", "suffixes": [".usdc", ".usda"]}))
 
     def _copied(self, layer: Any) -> Any:
         made = self._pxr.Sdf.Layer.CreateAnonymous("copy.usda")
@@ -169,13 +170,13 @@ class UsdFile(SceneFile):
             mesh = geom.Mesh(prim)
             shape = mesh.GetPointsAttr(), mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr()
             if any(attribute.GetNumTimeSamples() for attribute in shape):
-                raise FileError(f"The mesh {prim.GetPath()} {_ANIMATED}")
+                raise FileError(Message("data_animated", {"path": str(prim.GetPath())}))
             points, counts, corners = (attribute.Get() for attribute in shape)
             if not points or not counts or not corners:
                 continue
             points, counts, corners = np.array(points, float), np.array(counts, np.int64), np.array(corners, np.int64)
             if counts.min() < 0 or counts.sum() != len(corners) or corners.min() < 0 or corners.max() >= len(points):
-                raise FileError(f"The mesh {prim.GetPath()} is damaged: its faces name points that do not exist")
+                raise FileError(Message("face_without_vertex", {"name": str(prim.GetPath())}))
             subsets = {}
             for child in geom.Subset.GetAllGeomSubsets(mesh):
                 if child.GetElementTypeAttr().Get() == "face" and not child.GetIndicesAttr().GetNumTimeSamples():
@@ -201,7 +202,7 @@ class UsdFile(SceneFile):
             if values is None or interpolation not in wanted or attribute.GetName() == _MARK:
                 continue
             if attribute.GetNumTimeSamples():
-                raise FileError(f"{attribute.GetPath()} {_ANIMATED}")
+                raise FileError(Message("data_animated", {"path": str(attribute.GetPath())}))
             rows = np.array(values)
             if len(rows) % size == 0:
                 rows = rows.reshape(-1, size, *rows.shape[1:]) if size > 1 else rows
@@ -311,7 +312,7 @@ class UsdFile(SceneFile):
 
     def stripped(self) -> bytes:
         """A USD layer does not keep how it was."""
-        raise FileError("USD layers say which faces are fills, but not how their text was before; keep the original file")
+        raise FileError(Message("original_not_kept", {"suffix": self.suffix}))
 
     def _save(self, path: Path) -> None:
         layer = self._copied(self._layer)
@@ -324,7 +325,7 @@ class UsdFile(SceneFile):
         with tempfile.TemporaryDirectory() as folder:
             made = Path(folder, f"layer{suffix}")
             if not layer.Export(str(made)):
-                raise FileError(f"usd-core cannot write {path}")
+                raise FileError(Message("package_cannot_write", {"package": "usd-core", "suffix": suffix}))
             path.write_bytes(made.read_bytes())
 
     def _corners_by_now(self, part: Part) -> tuple[Array, Array, list[tuple[int, int, int, float]]]:

@@ -15,12 +15,30 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
+from ..errors import because
+from ..messages import Message
+
 Value = TypeVar("Value")
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"  # some editors put it before UTF-8
 
 
 class FileError(ValueError):
-    """A file that cannot be read or written; the message is a sentence."""
+    """A file that cannot be read or written; the argument is a `Message`."""
+
+
+def unreadable(path: object, error: Exception) -> FileError:
+    """The error for a file that cannot be read for that reason."""
+    return FileError(Message("file_unreadable", {"path": str(path), "reason": because(error)}))
+
+
+def unwritable(path: object, error: Exception) -> FileError:
+    """The same for one that cannot be written."""
+    return FileError(Message("file_unwritable", {"path": str(path), "reason": because(error)}))
+
+
+def damaged(form: str, error: object = "") -> FileError:
+    """The error for a file that is not of its format, or not whole."""
+    return FileError(Message("file_damaged", {"format": form, **({"reason": str(error)} if error else {})}))
 
 
 def write_over(path: Path, save: Callable[[Path], object]) -> None:
@@ -33,7 +51,7 @@ def write_over(path: Path, save: Callable[[Path], object]) -> None:
         except FileNotFoundError:
             before = None
         if before and stat.S_ISDIR(before.st_mode):
-            raise IsADirectoryError(None, "Is a directory")
+            raise IsADirectoryError(Message("is_a_folder"))
         through = before and (before.st_nlink > 1 or not stat.S_ISREG(before.st_mode))  # it has other names, or is a device
         part = target.with_name(f".tripatch-{secrets.token_hex(6)}.part")
         if before and not stat.S_ISREG(before.st_mode):  # where nothing can be next to it
@@ -58,7 +76,7 @@ def write_over(path: Path, save: Callable[[Path], object]) -> None:
             except FileNotFoundError:
                 pass
     except OSError as error:
-        raise FileError(f"{path} cannot be written: {error.strerror or error}") from error
+        raise unwritable(path, error) from error
 
 
 def most(values: Iterable[Value]) -> Value:

@@ -12,9 +12,10 @@ struct Motion {
   Vec3 operator()(const Vec3& p) const { return shift + turn.cross(p - middle) + growth * (p - middle); }
 };
 
-/// Directions within the tangent planes of a side, away from the hole: those of the motion by which the surrounding surface moves in itself,
-/// as a cylinder does along its axis, a cone towards its tip and a plane in all directions (Pottmann and Randrup, Rotational and helical
-/// surface approximation, Computing 60, 1998). Where no motion tells, they are at right angles to the side.
+/// Directions within the tangent planes of a side, away from the hole. They are those of the motion by which the surrounding
+/// surface moves in itself: a cylinder along its axis, a cone towards its tip, a plane in all directions (Pottmann and Randrup,
+/// Rotational and helical surface approximation, Computing 60, 1998). Where no motion tells, they are at right angles to the
+/// side.
 class RibDirections {
 public:
   explicit RibDirections(const Side& side);

@@ -31,10 +31,10 @@ constexpr int max_boundary_degree = 20;  ///< with 171 unknowns, for which the s
 /// The paper's alpha: in degree 3 it gives the Coons patch.
 constexpr double coons_alpha = -2.0 / 3.0;
 
-/// Mask and permanence systems that are singular (mask: n = 6, 8, 10, ...; permanence: some alphas of every degree from 4 up)
-/// give the solution nearest to the Coons net of the boundary polygons if there is one, with a warning, else a Refusal that names
-/// degree and alpha. alpha: for permanence only (none: -2/3). The extremals warn above degree 12, where their systems are ill-conditioned.
-/// Throws InvalidArgument for curves of different or too high degree, that do not meet, or that are not finite.
+/// Some mask and permanence systems are singular (mask: n = 6, 8, 10, ...; permanence: some alphas of every degree from 4 up).
+/// They give the solution nearest to the Coons net of the boundary polygons, with a warning. Without a solution a Refusal names
+/// degree and alpha. alpha: for permanence only (none: -2/3). The extremals warn above degree 12, where their systems are
+/// ill-conditioned. Throws InvalidArgument for curves of different or too high degree, that do not meet, or that are not finite.
 BezierTriangle coons_bezier(const BoundaryCurves& boundary, CoonsKind kind, std::optional<double> alpha = {},
                             Messages* warnings = nullptr);
 

@@ -1,5 +1,5 @@
 // Coons-type blends of three surfaces over one triangle, with shape parameters. Szilvasi-Nagy and Szabo 2006: Definition 1 (position)
-// and Definition 2 (position and first derivatives), with the two corrections without which Definition 2 does not interpolate:
+// and Definition 2 (position and first derivatives). Definition 2 interpolates only with these two corrections:
 //   f = 1/2 [G_0 + G_1 + G_2 - q] - s,
 //   G_i = mu_{i+2} r_{i+2} + (1 - mu_{i+2}) r_{i+1}               right on sides i + 1 and i + 2, not on side i
 //   q(b) = sum_i W_i(b) G_i(foot_i(b))                            what the sum of the three has too much on the sides
@@ -61,9 +61,9 @@ private:
   std::vector<Step> path_;
 };
 
-/// Three surfaces made from the sides of a hole, for SzilvasiNagy: surface i = (2 D_i + T) / 3 with D_i the cubic rays from corner i to
-/// side i (Nielson's) and T the side-weight blend of the linear continuations of all three sides (continuity 0: of their
-/// positions). All three carry the sides' data; T makes up for what the blend overshoots, so that cubics are reproduced.
+/// Three surfaces made from the sides of a hole, for SzilvasiNagy: surface i = (2 D_i + T) / 3. D_i are the cubic rays from
+/// corner i to side i (Nielson's). T is the side-weight blend of the linear continuations of all three sides (continuity 0: of
+/// their positions). All three carry the sides' data; T makes up for what the blend overshoots, so that cubics are reproduced.
 std::array<SurfacePtr, 3> hole_surfaces(const Boundary& boundary, int continuity);
 
 }  // namespace tripatch

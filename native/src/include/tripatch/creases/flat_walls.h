@@ -24,11 +24,11 @@ struct FlatWalls {
   std::vector<std::vector<Index>> faces;   ///< of the surroundings, for each part those in its plane
 };
 
-/// rim: as new faces traverse it, `across` in diameter. Walls are planes of the faces next to the rim, and a few of which no face is left, as
-/// the rim's edges tell them. None where these planes are too many, where they do not meet in the hole, where a crease between two of them
-/// does not show at the rim, as an edge of the mesh that ends there or as a corner of a third wall, or where a wall seems to
-/// have lost nothing. Of a flat rim one wall, which continues next to all or some of it and ends at the rest or near by, else none: a cap may
-/// lie on it. Faces are sought among those whose vertices are all `near`, sorted.
+/// rim: as new faces traverse it, `across` in diameter. Walls are planes of the faces next to the rim, and a few of which no face is left,
+/// as the edges of the rim tell them. None if there are too many planes, or they do not meet in the hole. None also if a wall seems to
+/// have lost nothing, or a crease between two of them does not show at the rim, as an edge that ends there or as a corner of a third
+/// wall. Of a flat rim one wall, which continues next to all or some of it and ends at the rest or near by, else none: a cap may lie
+/// on it. Faces are sought among those whose vertices are all `near`, sorted.
 std::optional<FlatWalls> flat_walls(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across,
                                     const std::vector<Index>& near);
 

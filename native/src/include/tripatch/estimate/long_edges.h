@@ -19,8 +19,9 @@ struct OnEdge {
   double share;  ///< of the way from the first to the second
 };
 
-/// Points spread along the long edges of faces, by row of points (n x 3), of which one can tell that they lie on the surface as the
-/// vertices do: edges of faces of four corners and more, or cut from flat ones, and lines across those of five and more.
+/// Points spread along the long edges of faces, by row of points (n x 3), if they can be told to lie on the surface as the
+/// vertices do. These are edges of faces with four corners or more, edges cut from flat ones, and lines across faces with five or
+/// more.
 std::vector<OnEdge> points_on_long_edges(const Points& points, const Faces& faces);
 
 }  // namespace tripatch

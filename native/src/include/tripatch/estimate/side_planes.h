@@ -82,8 +82,9 @@ double roughness(const std::array<SideDraft, 3>& drafts);
 /// The mean of the normals of the faces at vertex k of a side, by their angles there.
 Vec3 mean_of_facets(const LocalMesh& w, const SideDraft& side, int k);
 
-/// The fits at each vertex of a side that are taken, of those by neighborhood, largest first: a smaller one where it predicts what is near
-/// better, the more so the less certain it is of its plane, or where the larger one is not plausible. rough: variance of the rim's vertices.
+/// The fits used at each vertex of a side, of those by neighborhood, largest first. A smaller one is used if it predicts its
+/// surroundings better, the more so the less certain its plane is, or if the larger one is not plausible. rough: variance of the
+/// rim's vertices.
 SideFit choose(const LocalMesh& w, const std::vector<std::vector<VertexFit>>& fits, SideDraft& side, double rough);
 
 }  // namespace tripatch

@@ -1,4 +1,4 @@
-// The fairest patch among those that meet the surroundings just as well. Whatever patch keeps G1 keeps it with
+// The fairest patch among those that meet the surroundings just as well. A patch that keeps G1 keeps it with these changes.
 //   - the interior term (27 b0 b1 b2)^2 sum_K a_K B_K(b) added,
 //   - the second derivative across each side changed, by 1/2 b_i^2 (cubic side weight) times a polynomial of t, and
 //   - the slopes alpha(t), beta(t) of each side changed between the corners (on a side that is met in position only: all of the

@@ -14,9 +14,9 @@ namespace tripatch {
 constexpr Index fold_grid_rows = 64;
 /// Neighbors of a grid fold whose normals have this cosine or less: 60 degrees, twenty times what those on a hemisphere are apart.
 constexpr double folded_apart = 0.5;
-/// A grid of half as many rows, with all of the rim, tells that the whole one shows no fold where neighbors on it have this cosine and more,
-/// 20 degrees (on a hemisphere they are 6 apart), and all normals this one and more to the rim's, 60 degrees: so it was for all of 2,200
-/// patches that it took to be without folds, next to 1,200 with some.
+/// A grid of half as many rows, with all of the rim, decides that the whole grid has no fold if the normals agree. Neighbors must
+/// have this cosine or more, 20 degrees (on a hemisphere they are 6 apart), and all normals this one or more to those of the rim,
+/// 60 degrees. That held for all 2,200 patches that it took to be without folds, next to 1,200 with some.
 constexpr double surely_together = 0.94, surely_facing = 0.5;
 /// Degrees between two planes, at a corner or kink, from which on every patch turns fast next to it: neighbors nearer to it than
 /// `beside_crease` are not compared.

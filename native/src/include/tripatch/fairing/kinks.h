@@ -1,6 +1,6 @@
-// Kinks inside sides: where the limit surface of a cage has an extraordinary vertex on the rim, or a crease that runs into it, the
-// side turns at once, and the constructions, which take c' and r along rays from the opposite corner, would tear there. So the patch
-// is made of sides that are rounded at their kinks and gets back what they lack in a strip next to the rim:
+// Kinks inside sides. If the limit surface of a cage has an extraordinary vertex on the rim, or a crease that runs into it, the side
+// turns at once. The constructions take c' and r along rays from the opposite corner, so they would tear there. So the patch is made
+// of sides that are rounded at their kinks. In a strip next to the rim it gets back what they lack:
 //   P + phi(b_i / depth) (e(t) + b_i g(t)),  t at foot_i(b),  e = c - rounded c,  g = what takes dP/d(delta_i) into the true planes,
 // with phi = 1, phi' = phi'' = 0 at the side. Position and G1 are those of the sides as they are.
 #pragma once

@@ -18,11 +18,12 @@ struct ContinuedRows {
 /// edges lie across and where eight do.
 double middle_over_first(double across);
 
-/// The vertices p(i, j) inside with the least sum of squares of their mixed differences, of order k along the rows and along the columns,
-/// which are the discrete form of Birkhoff and Gordon's equation d^2k p / du^k dv^k = 0 (The draftsman's and related equations, 1968).
-/// What it gives is blended from the rows around, k of them: for k = 1 a Coons patch of the rim, for k = 2 one that meets the slopes
-/// around too, whatever creases and bevels run across. The order is the one that best makes the rim itself out of what lies around it:
-/// by `missed` a side of it is missed where it is unknown too, in the median of the sides, as it would be in the middle of the block.
+/// The vertices p(i, j) inside with the least sum of squares of their mixed differences, of order k along rows and columns. This
+/// is the discrete form of the equation d^2k p / du^k dv^k = 0 of Birkhoff and Gordon (The draftsman's and related equations,
+/// 1968). What it gives is blended from the rows around, k of them: for k = 1 a Coons patch of the rim, for k = 2 one that meets
+/// the slopes around too, whatever creases and bevels run across. The order is the one that best predicts the rim from its
+/// surroundings. `missed` by a side of the rim means missed where it is unknown too, in the median of the sides, as in the middle
+/// of the block.
 ContinuedRows continued_rows(const PointsRef& vertices, const QuadRows& rows);
 
 }  // namespace tripatch

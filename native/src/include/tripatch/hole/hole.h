@@ -25,10 +25,10 @@ struct Hole {
 /// Every border loop, shortest first (then by lowest index), each from its lowest index on, in the direction that new faces take.
 std::vector<std::vector<Index>> find_holes(const FacesRef& faces);
 
-/// The hole of a given rim (any start, either direction) and corners (vertex indices of the rim; the first stays corner 0,
-/// the others are sorted along the rim; none: detected where the rim turns, read in the tangent plane of the surface, the lowest
-/// vertex first). A rim of three edges has its vertices as corners. `around`: of the mesh, without the faces of a region to be
-/// replaced. Takes time by the rim and the faces at it. Throws a Refusal.
+/// The hole of a given rim (any start, either direction) and corners, which are vertex indices of the rim. The first corner stays
+/// corner 0, the others are sorted along the rim. Without corners they are detected where the rim turns, in the tangent plane of
+/// the surface, the lowest vertex first. A rim of three edges has its vertices as corners. `around`: of the mesh, without the
+/// faces of a region to be replaced. Takes time by the rim and the faces at it. Throws a Refusal.
 Hole make_hole(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                const std::optional<std::array<Index, 3>>& corners);
 /// The same for one rim. `replaced`: faces that count as not there.

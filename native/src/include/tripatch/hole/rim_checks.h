@@ -10,8 +10,10 @@
 
 namespace tripatch {
 
-/// InvalidArgument for a vertex that the mesh has not: "Rim vertex 9 does not exist: ...", where `what` is "Rim".
-void check_vertices(std::span<const Index> named, Index vertices, const char* what);
+/// InvalidArgument for a vertex that the mesh has not, by the option that names it.
+void check_vertices(std::span<const Index> named, Index vertices, const char* option);
+/// InvalidArgument for a vertex that is named twice.
+void check_distinct(std::span<const Index> named, const char* option);
 
 /// Every vertex once; every edge with one face; the faces around agree in orientation; else a Refusal. InvalidArgument for vertices
 /// that the mesh has not. Returns the rim in the direction of new faces.

@@ -40,8 +40,8 @@ Index side_row(int degree, int i, int k);
 /// The same Bezier curve, one degree higher.
 Points elevated_curve(const Points& curve);
 
-/// Side i of a Bezier triangle that surrounds a hole, from corner i + 1 to corner i + 2 (reversed: back, where the side's normal is
-/// the triangle's own): r and q are its first and second derivative in the direction delta_i, into the triangle. Exact.
+/// Side i of a Bezier triangle that surrounds a hole, from corner i + 1 to corner i + 2 (reversed: back, with the triangle's own
+/// normal). r and q are its first and second derivative in the direction delta_i, into the triangle. Exact.
 Side side_of(const BezierTriangle& triangle, int i, bool reversed);
 
 }  // namespace tripatch

@@ -6,7 +6,7 @@
 // on side i - 1 and 1 on side i + 1. Its level lines are those through the point where these two meet (Charrot and Gregory 1984; for a
 // triangle the rays from the opposite corner).
 //
-// The lens lies between two parabolas over the line from corner 0 to corner 1: with s from 0 to 1 along that line
+// The lens lies between two parabolas over the line from corner 0 to corner 1, with s from 0 to 1 along that line. There
 // phi_0 = 4 h s (1 - s) + v below and phi_1 = 4 h s (1 - s) - v above, t_0 = s, t_1 = 1 - s, and "inward" is across the line. Next to
 // corner 0, phi_1 / (8 h (1 - s)) and phi_0 / (8 h (1 - s)) are what the parameters of the two sides are next to a polygon's corner:
 // polynomials of s on the sides, with the sum s. So all that a polygon has is smooth here too, and nothing of it is rational on a side.

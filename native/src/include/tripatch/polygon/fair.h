@@ -1,5 +1,5 @@
-// The fairest patch over a polygon among those that meet the surroundings just as well. What fairing/fairing.h says of the triangle holds
-// here with the polygon's own functions:
+// The fairest patch over a polygon among those that meet the surroundings just as well. It is as in
+// fairing/fairing.h, with these functions of the polygon.
 //   - the interior term bubble^2 times polynomials of (u, v),
 //   - the second derivative across each side, 1/2 phi_i^2 (cubic side weight) times a polynomial of t_i,
 //   - the slopes alpha and beta of each side between the corners: phi_i (side weight) times (a r + b c')(t_i).

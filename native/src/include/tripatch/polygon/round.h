@@ -2,8 +2,8 @@
 //
 //   P = sum_j (1 - u^2 - v^2)^j H_j(u, v),    H_j harmonic polynomials
 //
-// (Almansi): H_0 is the rim's curve, H_1 the derivative across it, H_2 the second one, and all of them together are the polynomials, which
-// no rotation of the disc leaves. So nothing shows where the side begins, and between surroundings of revolution lies a surface of
+// (Almansi). H_0 is the curve of the rim, H_1 the derivative across it, H_2 the second one. All of them together are the polynomials,
+// which rotations of the disc keep. So nothing shows where the side begins, and between surroundings of revolution lies a surface of
 // revolution.
 #pragma once
 

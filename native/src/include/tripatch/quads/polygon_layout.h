@@ -17,14 +17,12 @@ struct RimCorner {
   int quads = 0;
 };
 
-/// rim: places in a convex plane domain, counterclockwise, a row each; corners: two or more, by rising place. rows: extra rows of quads
-/// along the whole rim.
-///
-/// The region is a grid (four corners, opposite counts equal), has one pole from which a spoke goes to each side (3, 5, 6), or is cut in
-/// two such pieces (2 = 3 + 3, 4 = 3 + 5, 6 = 5 + 5): the integers by search for the most regular coarse layout in the domain. Corners
-/// so blunt that two quads fit them better than one may count as straight (a regular octagon becomes a grid with four corners). Of the
-/// few best, embedded and smoothed, the one with the largest least scaled Jacobian is taken; fewer poles win where that is equal.
-/// An even rim gives quads only, an odd one a triangle besides.
+/// rim: places in a convex plane domain, counterclockwise, a row each; corners: two or more, by rising place. rows: extra rows of
+/// quads along the whole rim. The region is a grid (four corners, opposite counts equal), or has one pole from which a spoke goes
+/// to each side (3, 5, 6), or is cut into two such pieces (2 = 3 + 3, 4 = 3 + 5, 6 = 5 + 5). A search finds the integers of the
+/// most regular coarse layout in the domain. Corners so blunt that two quads fit them better than one may count as straight (a
+/// regular octagon becomes a grid with four corners). Of the few best, embedded and smoothed, the one with the largest least
+/// scaled Jacobian is taken; fewer poles win where that is equal. An even rim gives quads only, an odd one a triangle besides.
 PlaneLayout polygon_layout(const PlanePoints& rim, const std::vector<RimCorner>& corners, int rows = 0);
 
 }  // namespace tripatch

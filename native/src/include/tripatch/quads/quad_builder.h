@@ -13,9 +13,9 @@ using Path = std::vector<Index>;
 Path part(const Path& path, Index from, Index to);
 Path backwards(Path path);
 
-/// How long the spokes of a piece with one pole in its middle are, of k sides with these numbers of edges: side i gets one of
-/// s_i edges to the pole, and count_i = s_{i-1} + s_{i+1} (a grid at each corner; Tarini 2022 for k = 3). One of them may be 0: the pole
-/// lies on that side. Empty where that has no such solution in integers.
+/// Lengths of the spokes of a piece with one pole in its middle, of k sides with these numbers of edges. Side i gets one of s_i
+/// edges to the pole, and count_i = s_{i-1} + s_{i+1} (a grid at each corner; Tarini 2022 for k = 3). One of them may be 0: the
+/// pole lies on that side. Empty where that has no such solution in integers.
 std::vector<Index> spokes_of(const std::vector<Index>& counts);
 
 class QuadBuilder {

@@ -24,14 +24,14 @@ struct Layout {
 };
 
 /// Lays the triangles (by row of the points, n x 3) that are connected across edges with the first of them into the plane, none
-/// turned over, with the least symmetric Dirichlet energy (Smith and Schaefer 2015, "Bijective parameterization with free
-/// boundaries"): Newton's method with the definite part of each triangle's Hessian (Smith, de Goes and Kim 2019, "Analytic
-/// eigensystems for isotropic distortion energies") from `start` (n x 2), where that turns no triangle over, else from Tutte's
-/// embedding on a circle. Triangles without area are given some. None where it is no disc even with its inner holes filled: an edge
-/// of three triangles or of two that disagree on its direction, a border that touches itself, a handle, no border at all; or where
-/// doubles do not suffice for Tutte's embedding. The same input gives the same bits; turned and scaled it is the same but for
-/// rounding.
+/// flipped, with the least symmetric Dirichlet energy (Smith and Schaefer 2015, "Bijective parameterization with free
+/// boundaries"). It is Newton's method with the definite part of each triangle's Hessian (Smith, de Goes and Kim 2019, "Analytic
+/// eigensystems for isotropic distortion energies"). It starts from `start` (n x 2) if that flips no triangle, else from Tutte's
+/// embedding on a circle. Triangles without area are given some. None where it is no disc even with its inner holes filled: an
+/// edge of three triangles or of two that disagree on its direction, a border that touches itself, a handle, no border at all; or
+/// where doubles do not suffice for Tutte's embedding. The same input gives the same bits; turned and scaled it is the same but
+/// for rounding.
 std::optional<Layout> lay_out(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles,
-                              const PlaneLayoutOptions& options = {}, const PlanePoints* start = nullptr);
+                                           const PlaneLayoutOptions& options = {}, const PlanePoints* start = nullptr);
 
 }  // namespace tripatch

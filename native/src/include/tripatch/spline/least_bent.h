@@ -11,9 +11,9 @@
 
 namespace tripatch {
 
-/// Positions of the rows first .. first + count - 1 of points (n x 3) at which the integral of the squared gradient of the coordinates
-/// (order 1), of their squared Laplacian (2) or of its squared gradient (3) is least, by cotangents and areas of the triangles as they
-/// lie (Pinkall and Polthier 1993). All other rows stay. triangles: whose bending counts; around: those that they are to continue from in one
+/// Positions of the rows from `first` on, `count` of points (n x 3), that make an integral of the coordinates least: of the squared
+/// gradient (order 1), of the squared Laplacian (2) or of its squared gradient (3). It is computed by cotangents and areas of the
+/// triangles as they lie (Pinkall and Polthier 1993). All other rows stay. triangles: whose bending counts; around: those that they are to continue from in one
 /// plane across the edges where they meet, as a clamped plate does, and whose Laplacian the one at these edges is to vary little from.
 /// The triangles around every vertex that so many edges as the order, less one, lead to from one of these rows must be given; more do not
 /// matter. Nothing where no numbers come of it.

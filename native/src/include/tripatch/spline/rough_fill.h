@@ -24,13 +24,13 @@ struct RoughFill {
 };
 
 /// Triangulates loops of points (r x 3), each in the direction in which the new faces traverse it. Every inner edge joins two rim
-/// vertices, if possible none that are `joined`. Of up to 200 vertices the triangulation whose worst angle between neighboring
-/// triangles, and between them and the faces beyond the rim, is least, among equally good ones the smallest (Barequet and Sharir
-/// 1995, "Filling gaps in the boundary of a polyhedron"; Liepa 2003, "Filling holes in meshes"). Of more the same by parts. Where that
-/// crosses itself, the next that does not is sought without the chords that do, then without the triangles that the rim goes through, at
-/// last that of the least area.
-/// Islands, and the other rim of a strip, are joined to the first loop by the shortest bridges.
-/// The same input gives the same bits. Throws InvalidArgument for loops of fewer than 3 vertices and rows that do not fit.
+/// vertices, if possible none that are `joined`. Of up to 200 vertices the triangulation with the least worst angle between
+/// neighboring triangles, and between them and the faces beyond the rim. Among equally good ones it is the smallest (Barequet and
+/// Sharir 1995, "Filling gaps in the boundary of a polyhedron"; Liepa 2003, "Filling holes in meshes"). Of more the same by
+/// parts. Where that crosses itself, the next that does not is sought without the chords that do, then without the triangles that
+/// the rim goes through, at last that of the least area. Islands, and the other rim of a strip, are joined to the first loop by
+/// the shortest bridges. The same input gives the same bits. Throws InvalidArgument for loops of fewer than 3 vertices and rows
+/// that do not fit.
 RoughFill rough_fill(const PointsRef& points, const RimSurroundings& rim = {});
 
 }  // namespace tripatch

@@ -12,10 +12,11 @@ namespace tripatch {
 /// Edges of the longest rim that is filled so.
 constexpr std::size_t max_edges_of_small = 8;
 
-/// rim: a border loop in the direction of the new faces. Triangles by Delaunay in the plane of the faces of two rings around, with new
-/// vertices where these would be larger than the edges of the rim ask for (Liepa 2003, "Filling holes in meshes"), on the polyharmonic
-/// spline through the vertices of the two rings. No patch. Nothing where one of these faces is turned from the plane, or from one next to it, as
-/// far as at a crease (needles aside), where the rim is seen from above crossing itself, or where the triangles would double an edge of the mesh.
+/// rim: a border loop in the direction of the new faces. Triangles by Delaunay in the plane of the faces of two rings around, on
+/// the polyharmonic spline through the vertices of the two rings. New vertices are added where triangles would be larger than the
+/// edges of the rim ask for (Liepa 2003, "Filling holes in meshes"). No patch. Nothing where one of these faces is turned from
+/// the plane, or from one next to it, as far as at a crease (needles aside), where the rim is seen from above crossing itself, or
+/// where the triangles would double an edge of the mesh.
 std::optional<Fill> fill_small(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
 
 /// The triangle of a rim of three edges, without a patch; nothing where it would be folded over a face beyond.
