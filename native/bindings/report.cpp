@@ -47,7 +47,7 @@ py::list candidates_of(const Report& report) {
     const char* const status = names[static_cast<std::size_t>(each.status)];
     const Quality& q = each.quality;
     if (each.status == CandidateStatus::used || each.status == CandidateStatus::made)
-      out.append(type(each.method, status, q.expected_error, q.folds, q.crosses, q.leaves_hole, q.seam_deg, each.why));
+      out.append(type(each.method, status, q.expected_error, q.folds, q.crosses, q.exceeds_hole_bounds, q.seam_deg, each.why));
     else
       out.append(type(each.method, status, py::none(), py::none(), py::none(), py::none(), py::none(), each.why));
   }

@@ -110,7 +110,7 @@ MadePatch patch_from_sides(const Sides& given, const FillOptions& options, const
                         {{"method", options.method}, {"function", method.sides[1] == 0 ? "tripatch.fill" : "tripatch.blend"}});
   const Continuity continuity = resolve_continuity(options.continuity, method, given);
   const bool keeps_tangent = method.continuity != SeamContinuity::g0;
-  Sides sides = told_by_rim(given, continuity.tangent);
+  Sides sides = planes_from_rim(given, continuity.tangent);
   for (int i = 0; i < 3 && !keeps_tangent; ++i) sides[i].c = given[i].c;  // all that is met
   const std::array<bool, 3>& free = continuity.free;
   const bool alone = !keeps_tangent && !free[0] && !free[1] && !free[2] && options.tension == 0;

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <random>
 
-#include "tripatch/math/beginning.h"
+#include "tripatch/math/canonical_start.h"
 #include "tripatch/mesh/border_loops.h"
 #include "tripatch/mesh/canonical_part.h"
 
@@ -149,11 +149,11 @@ TEST_CASE("where beginnings of a rim are alike it is begun at the lowest number,
   for (Index v : rim)
     if (std::abs(std::abs(mesh.vertices(v, 0) - 4.5) - std::abs(mesh.vertices(v, 1) - 4.5)) < 1e-12) corners.push_back(v);
   REQUIRE(corners.size() == 4);
-  Beginnings beginnings(mesh.vertices(rim, Eigen::all));
+  CanonicalStarts beginnings(mesh.vertices(rim, Eigen::all));
   beginnings.compare_along();
   REQUIRE(beginnings.left().size() == 8);
   Index lowest = rim[beginnings.left()[0].place];
-  for (const Beginning& b : beginnings.left())
+  for (const CanonicalStart& b : beginnings.left())
     if (!b.backwards) lowest = std::min(lowest, rim[b.place]);
   CHECK(first == lowest);
 }
@@ -196,15 +196,15 @@ TEST_CASE("a polygon is begun at the same vertex however it is given, and walked
   std::vector<double> radius = {1, 1.2, 0.9, 1.05, 1.3, 0.8, 1.1};
   const Index n = static_cast<Index>(radius.size());
   const Points p = polygon(radius);
-  Beginnings beginnings(p);
+  CanonicalStarts beginnings(p);
   beginnings.compare_along();
   REQUIRE(beginnings.decided());
-  const Beginning first = beginnings.left()[0];
+  const CanonicalStart first = beginnings.left()[0];
   for (Index turn = 0; turn < n; ++turn)
     for (const bool reversed : {false, true}) {
       Points given(n, 3);
       for (Index k = 0; k < n; ++k) given.row(k) = p.row((reversed ? 2 * n - k + turn : k + turn) % n);
-      Beginnings again(given);
+      CanonicalStarts again(given);
       again.compare_along();
       REQUIRE(again.decided());
       CHECK(given.row(again.left()[0].place) == p.row(first.place));
@@ -214,14 +214,14 @@ TEST_CASE("a polygon is begun at the same vertex however it is given, and walked
 
 TEST_CASE("beginnings that are alike are all left, and points beside them tell them apart") {
   const Points p = polygon(std::vector<double>(6, 1.0));
-  Beginnings beginnings(p);
+  CanonicalStarts beginnings(p);
   beginnings.compare_along();
   CHECK(beginnings.left().size() == 12);
   Points chiral(6, 3);  // next to each edge, nearer to its beginning
   for (Index k = 0; k < 6; ++k) chiral.row(k) = 1.2 * (0.7 * p.row(k) + 0.3 * p.row((k + 1) % 6));
   beginnings.compare_with(chiral);
   REQUIRE(beginnings.left().size() == 6);
-  for (const Beginning& b : beginnings.left()) CHECK_FALSE(b.backwards);
+  for (const CanonicalStart& b : beginnings.left()) CHECK_FALSE(b.backwards);
   Points one = chiral.topRows(3);
   one.row(1) *= NAN;  // what is no place does not count
   one.row(2) *= INFINITY;
@@ -230,8 +230,8 @@ TEST_CASE("beginnings that are alike are all left, and points beside them tell t
 }
 
 TEST_CASE("a polygon is begun where it may be, in the direction that is given") {
-  Beginnings any(polygon({1, 1.2, 0.9, 1.05, 1.3, 0.8, 1.1}), true, {2, 5});
-  for (const Beginning& b : any.left()) CHECK(b.backwards);
+  CanonicalStarts any(polygon({1, 1.2, 0.9, 1.05, 1.3, 0.8, 1.1}), true, {2, 5});
+  for (const CanonicalStart& b : any.left()) CHECK(b.backwards);
   any.compare_along();
   REQUIRE(any.decided());
   CHECK((any.left()[0].place == 2 || any.left()[0].place == 5));

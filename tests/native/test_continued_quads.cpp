@@ -242,7 +242,7 @@ TEST_CASE("rows go on over up to 2,000 vertices inside, and all that is determin
     FillOptions options;
     options.rim = quads.rim;
     const Mesh mesh{grid.vertices, left};
-    const std::optional<Fill> fill = fill_with_rows(Ground(mesh, options.rim, options), quads.rim, Output::quads);
+    const std::optional<Fill> fill = fill_with_rows(FillContext(mesh, options.rim, options), quads.rim, Output::quads);
     for (Index k = 0; fill && k < fill->vertices.rows(); ++k) {
       const Vec3 p = fill->vertices.row(k);
       CHECK(std::abs(p[2] - 1e-3 * p[0] * p[0] * std::sin(7 * p[1] * p[1])) < 1e-6);

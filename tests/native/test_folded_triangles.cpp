@@ -86,13 +86,13 @@ TEST_CASE("a triangle that is folded back over the face beyond its rim edge coun
     const Mesh mesh{hinge.vertices, old};
     const Connectivity around(mesh);
     const std::vector<std::vector<Index>> loops = {{0, 1, 2}};
-    const std::vector<FaceBeyond> beyond = faces_beyond(mesh, around, loops);
+    const std::vector<AdjacentFace> beyond = faces_beyond(mesh, around, loops);
     REQUIRE(beyond.size() == 3);
     CHECK(beyond[0].normal.norm() == Approx(1));
     CHECK(beyond[1].normal.norm() == 0);
     CHECK(count_folded_edges(hinge.vertices, Points(0, 3), made) == 0);
     CHECK(count_folded_edges(hinge.vertices, Points(0, 3), made, beyond) == (angle > 120 ? 1 : 0));
-    const std::vector<FaceBeyond> named = {{1, 0, 3 * beyond[0].normal}};
+    const std::vector<AdjacentFace> named = {{1, 0, 3 * beyond[0].normal}};
     CHECK(count_folded_edges(hinge.vertices, Points(0, 3), made, named) == (angle > 120 ? 1 : 0));
   }
 }
@@ -102,7 +102,7 @@ TEST_CASE("faces beyond edges that the fill has not count for nothing, not even 
   Faces made;
   made.add(hinge.faces[0]);
   const Vec3 up(0, 0, 1);
-  const std::vector<FaceBeyond> elsewhere = {{0, 3, -up}, {3, 0, up}, {1, 3, -up}};
+  const std::vector<AdjacentFace> elsewhere = {{0, 3, -up}, {3, 0, up}, {1, 3, -up}};
   CHECK(count_folded_edges(hinge.vertices, Points(0, 3), made, elsewhere) == 0);
 }
 
@@ -123,7 +123,7 @@ struct BesideRim {
   }
   bool is_turned() const {
     const Mesh mesh{vertices, faces};
-    const std::vector<char> turned = turned_over(mesh, Connectivity(mesh), {{0, 1}});
+    const std::vector<char> turned = flipped(mesh, Connectivity(mesh), {{0, 1}});
     REQUIRE(turned.size() == 2);
     CHECK_FALSE(turned[1]);  // no face is there
     return turned[0] != 0;

@@ -11,7 +11,7 @@ namespace {
 
 /// So many heights, the last eight not full.
 struct Some {
-  std::vector<EightHeights> heights;
+  std::vector<SampleBlock> heights;
   Eigen::MatrixXd rows;  // of monomials
   Eigen::VectorXd z, share, g, weight;
   HeightVariances variances{0.3, 0.2};
@@ -20,9 +20,9 @@ struct Some {
     const Eigen::MatrixXd place = Eigen::MatrixXd::Random(n, 2);
     share = Eigen::VectorXd::Random(n).cwiseAbs();
     g = Eigen::VectorXd::Random(n).cwiseAbs();
-    for (EightHeights& of : heights) of = {};
+    for (SampleBlock& of : heights) of = {};
     for (Index k = 0; k < n; ++k) {
-      EightHeights& of = heights[k / 8];
+      SampleBlock& of = heights[k / 8];
       of.x[k % 8] = place(k, 0);
       of.y[k % 8] = place(k, 1);
       of.z[k % 8] = z[k];
@@ -57,7 +57,7 @@ TEST_CASE("the normal matrix is the sum of all products, however many heights th
   for (const Index n : {1, 7, 8, 9, 61}) {
     CAPTURE(n);
     const Some some(n);
-    HeightRoom room;
+    Workspace room;
     SquareOf24 out = SquareOf24::Zero();
     sum_products(some.heights, some.variances, room, out);
     CHECK((out.topLeftCorner<fit_terms, fit_terms>() - some.normal_matrix()).cwiseAbs().maxCoeff() < 1e-13 * n);
@@ -71,7 +71,7 @@ TEST_CASE("residuals are those of the polynomial above the heights") {
   for (const Index n : {3, 16, 50}) {
     CAPTURE(n);
     const Some some(n);
-    HeightRoom room;
+    Workspace room;
     SquareOf24 normal;
     sum_products(some.heights, some.variances, room, normal);
     const Eigen::VectorXd c = Eigen::VectorXd::Random(fit_terms), residual = some.rows * c - some.z;

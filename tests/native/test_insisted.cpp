@@ -35,7 +35,7 @@ struct SquareHole {
   std::pair<std::string, std::vector<Index>> refused(const FillOptions& options) const {
     const Mesh mesh{vertices, faces};
     try {
-      refuse_if_insisted(Ground(mesh, fill.rim, options), fill, options);
+      refuse_if_insisted(FillContext(mesh, fill.rim, options), fill, options);
     } catch (const CodedRefusal& refusal) {
       return {code_of(refusal.message()), refusal.where()};
     }

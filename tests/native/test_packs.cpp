@@ -3,7 +3,7 @@
 #include "tripatch/constructions/side_vertex.h"
 #include "tripatch/fairing/curvature_variation.h"
 #include "tripatch/fairing/fairing_space.h"
-#include "tripatch/patch/packs.h"
+#include "tripatch/patch/simd.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

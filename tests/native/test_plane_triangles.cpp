@@ -5,7 +5,7 @@
 #include <random>
 
 #include "tripatch/spline/ear_clipping.h"
-#include "tripatch/spline/unfold.h"
+#include "tripatch/spline/untangle.h"
 
 using namespace tripatch;
 
@@ -68,12 +68,12 @@ TEST_CASE("a vertex that folds its triangles goes back between its neighbors, an
                                                  {3, 4, 7}, {4, 6, 7}, {4, 5, 6}, {5, 0, 6}};
   const Points before = p;
   Points same = p;
-  CHECK(unfold(same, triangles, 6, 10) > 0);  // as many are allowed
+  CHECK(untangle(same, triangles, 6, 10) > 0);  // as many are allowed
   CHECK(same == before);
-  CHECK(unfold(p, triangles, 6, 0) == 0);
+  CHECK(untangle(p, triangles, 6, 0) == 0);
   CHECK(p.topRows(6) == before.topRows(6));
   CHECK(p.row(6).norm() < 1);
   Points held = before;
-  CHECK(unfold(held, triangles, 8, 0) > 0);  // nothing may move
+  CHECK(untangle(held, triangles, 8, 0) > 0);  // nothing may move
   CHECK(held == before);
 }

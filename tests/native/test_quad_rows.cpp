@@ -254,7 +254,7 @@ TEST_CASE("a fill of rows is quads with the rim's own vertices, on a surface wit
   FillOptions options;
   options.rim = grid.rim;
   const Mesh mesh{grid.vertices, grid.faces};
-  const Ground ground(mesh, options.rim, options);
+  const FillContext ground(mesh, options.rim, options);
   const std::optional<Fill> fill = fill_with_rows(ground, grid.rim, Output::quads);
   REQUIRE(fill);
   CHECK(fill->faces.size() == 15);
@@ -306,7 +306,7 @@ TEST_CASE("the points of a cage without corners are those of the rows, whatever 
       FillOptions options;
       options.rim = grid.rim;
       std::rotate(options.rim->begin(), options.rim->begin() + static_cast<std::ptrdiff_t>(turn), options.rim->end());
-      const std::optional<Fill> rows = fill_with_rows(Ground(mesh, options.rim, options), *options.rim, Output::quads);
+      const std::optional<Fill> rows = fill_with_rows(FillContext(mesh, options.rim, options), *options.rim, Output::quads);
       REQUIRE(rows);
       options.output = Output::cage;
       const Fill cage = fill(mesh, options);
@@ -381,7 +381,7 @@ TEST_CASE("what rows say of their surroundings is the angle that what is missed 
   FillOptions options;
   options.rim = grid.rim;
   const Mesh mesh{grid.vertices, grid.faces};
-  const Fill made = fill_with_rows(Ground(mesh, options.rim, options), grid.rim, Output::quads).value();
+  const Fill made = fill_with_rows(FillContext(mesh, options.rim, options), grid.rim, Output::quads).value();
   double edges = 0;
   for (std::size_t k = 0; k < grid.rim.size(); ++k)
     edges += (grid.vertices.row(grid.rim[k]) - grid.vertices.row(grid.rim[(k + 1) % grid.rim.size()])).norm();
@@ -396,12 +396,12 @@ TEST_CASE("a single row is no fill where the mesh joins what it would join") {
   FillOptions options;
   options.rim = grid.rim;
   const Mesh mesh{grid.vertices, grid.faces};
-  CHECK(fill_with_rows(Ground(mesh, options.rim, options), grid.rim, Output::quads)->faces.size() == 4);
+  CHECK(fill_with_rows(FillContext(mesh, options.rim, options), grid.rim, Output::quads)->faces.size() == 4);
   Faces more = grid.faces;  // a further face at the edge that the new quads would share
   Points vertices = stacked(grid.vertices, Points(Points::Constant(1, 3, 2)));
   more.add(std::array{grid.vertex(2, 0), vertices.rows() - 1, grid.vertex(2, 1)});
   const Mesh joined{vertices, more};
-  const Ground ground(joined, options.rim, options);
+  const FillContext ground(joined, options.rim, options);
   CHECK_FALSE(fill_with_rows(ground, grid.rim, Output::quads));
 }
 
@@ -424,7 +424,7 @@ TEST_CASE("of more than 200 edges a side no rows are continued", "[thresholds]")
     FillOptions options;
     options.rim = grid.rim;
     const Mesh mesh{grid.vertices, grid.faces};
-    CHECK(fill_with_rows(Ground(mesh, options.rim, options), grid.rim, Output::quads).has_value() == (n == 200));
+    CHECK(fill_with_rows(FillContext(mesh, options.rim, options), grid.rim, Output::quads).has_value() == (n == 200));
   }
 }
 
@@ -448,7 +448,7 @@ TEST_CASE("the surface goes through two rows beyond the rim", "[thresholds]") {
   FillOptions options;
   options.rim = grid.rim;
   const Mesh mesh{grid.vertices, grid.faces};
-  const Fill made = fill_with_rows(Ground(mesh, options.rim, options), grid.rim, Output::quads).value();
+  const Fill made = fill_with_rows(FillContext(mesh, options.rim, options), grid.rim, Output::quads).value();
   const Index low = std::ranges::find(made.rim, grid.vertex(0, 2)) - made.rim.begin(),
               high = std::ranges::find(made.rim, grid.vertex(4, 2)) - made.rim.begin();
   const Vec2 here = made.rim_uv.row(low), step = (made.rim_uv.row(high).transpose() - here) / 4;
@@ -469,7 +469,7 @@ TEST_CASE("rows that lie next to each other stay a thousandth of the mean step a
     FillOptions options;
     options.rim = grid.rim;
     const Mesh mesh{grid.vertices, grid.faces};
-    const Fill made = fill_with_rows(Ground(mesh, options.rim, options), grid.rim, Output::quads).value();
+    const Fill made = fill_with_rows(FillContext(mesh, options.rim, options), grid.rim, Output::quads).value();
     double least = INFINITY;
     for (std::size_t k = 0; k < made.rim.size(); ++k) {
       const Index a = static_cast<Index>(k), b = static_cast<Index>((k + 1) % made.rim.size());

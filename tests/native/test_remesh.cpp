@@ -9,7 +9,7 @@
 
 #include "tripatch/output/domain_mesh.h"
 #include "tripatch/output/remesh.h"
-#include "tripatch/spline/rough_fill.h"
+#include "tripatch/spline/min_weight_triangulation.h"
 
 using namespace tripatch;
 
@@ -61,7 +61,7 @@ PlanePolygon polygon(const std::vector<Rim>& loops, const Graph& surface) {
   p.uv = plane.leftCols<2>();
   p.points = surface.positions(plane);
   p.rim = n;
-  p.triangles = rough_fill(plane, rim).triangles;
+  p.triangles = min_weight_triangulation(plane, rim).triangles;
   surface.batches = surface.points = 0;
   return p;
 }
@@ -263,7 +263,7 @@ TEST_CASE("creases stay") {
     for (int k = 0; k <= 20; ++k) rows.push_back((10 + 20 * side + k) % 40);
     Points half = Points::Zero(21, 3);
     for (int k = 0; k <= 20; ++k) half.row(k) << p.uv(rows[k], 0), p.uv(rows[k], 1), 0;
-    for (const auto& t : rough_fill(half).triangles) p.triangles.push_back({rows[t[0]], rows[t[1]], rows[t[2]]});
+    for (const auto& t : min_weight_triangulation(half).triangles) p.triangles.push_back({rows[t[0]], rows[t[1]], rows[t[2]]});
   }
   p.creases = {{10, 30}};
   const PlaneTriangulation m = remesh(p, {}, surface);

@@ -179,7 +179,7 @@ TEST_CASE("triangles of a disc are measured alike whether their border is known 
     Points points(5, 3);
     points << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, middle.transpose();
     const Faces faces = faces_of({{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}});
-    std::vector<FaceBeyond> beyond;
+    std::vector<AdjacentFace> beyond;
     for (Index k = 0; k < 4; ++k) beyond.push_back({k, (k + 1) % 4, Vec3(0, 0, 1)});
     Report looked_for, known;
     known.triangles_folded = 7;

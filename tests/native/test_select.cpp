@@ -42,7 +42,7 @@ Fill patch(double energy, double planes) {
 
 TEST_CASE("crossings count before folds, folds before leaving the hole, and that before errors") {
   Quality crosses = with_error(0), folds = with_error(1), leaves = with_error(2);
-  crosses.crosses = leaves.leaves_hole = true;
+  crosses.crosses = leaves.exceeds_hole_bounds = true;
   folds.folds = 1;
   const Quality valid = with_error(3);
   CHECK((is_better(valid, leaves) && is_better(leaves, folds) && is_better(folds, crosses)));

@@ -125,12 +125,12 @@ TEST_CASE("a side that is not continued takes its planes from the rim and from i
   const Sides exact = sides_of(wave());
   Sides sides = exact;
   sides[1].r = PiecewisePolynomial::constant(std::array<double, 3>{0.3, -0.2, 5});  // whatever lies beyond
-  const Sides told = told_by_rim(sides, {true, false, true});
+  const Sides told = planes_from_rim(sides, {true, false, true});
   for (int k : {0, 2}) CHECK(told[k].r(0.3) == exact[k].r(0.3));
   CHECK(told[1].q.empty());
   for (double t : {0.0, 1.0}) CHECK((told[1].normal(t) - exact[1].normal(t)).norm() < 1e-9);
   // a surface holds the tangents of both of its sides at a corner: three sides alone say the same
-  const Sides alone = told_by_rim(sides, {false, false, false});
+  const Sides alone = planes_from_rim(sides, {false, false, false});
   for (int i = 0; i < 3; ++i)
     for (double t : {0.0, 1.0}) CHECK((alone[i].normal(t) - exact[i].normal(t)).norm() < 1e-9);
 }

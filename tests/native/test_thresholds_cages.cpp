@@ -173,7 +173,7 @@ TEST_CASE("faces that reach four edges of the rim are strips, beside which a spl
     const Mesh mesh{vertices, faces};
     SidedRim hole;
     hole.rim = rim;
-    CHECK(may_fold_by_splitting(Ground(mesh, options.rim, options), hole) == (reach > 4));
+    CHECK(may_fold_by_splitting(FillContext(mesh, options.rim, options), hole) == (reach > 4));
   }
 }
 
@@ -197,7 +197,7 @@ TEST_CASE("beside a strip either edge of the rim may be the shorter one, and bes
     options.rim = hole.rim;
     const auto may_fold = [&] {
       const Mesh mesh{vertices, faces};
-      return may_fold_by_splitting(Ground(mesh, options.rim, options), hole);
+      return may_fold_by_splitting(FillContext(mesh, options.rim, options), hole);
     };
     CHECK(may_fold());
     Points longer = vertices;
@@ -216,7 +216,7 @@ TEST_CASE("beside a strip either edge of the rim may be the shorter one, and bes
   FillOptions options;
   options.rim = hole.rim;
   const Mesh mesh{triangle, faces};
-  CHECK(may_fold_by_splitting(Ground(mesh, options.rim, options), hole));
+  CHECK(may_fold_by_splitting(FillContext(mesh, options.rim, options), hole));
 }
 
 TEST_CASE("a fair cage has run off that is 0.04 of the hole's size from where the mesh would go on", "[thresholds]") {

@@ -62,7 +62,7 @@ TEST_CASE("two tangents span the plane of a corner from two degrees between them
     sides[1].c = curve({Vec3::Zero(), 0.5 * along, next});
     sides[2].c = curve({next, before});
     for (Side& side : sides) side.r = curve({Vec3::UnitZ(), Vec3::UnitZ()});
-    const Vec3 normal = told_by_rim(sides, {false, false, false})[1].normal(0);
+    const Vec3 normal = planes_from_rim(sides, {false, false, false})[1].normal(0);
     CHECK((normal.cross(across.normalized()).norm() < 1e-9) == (sine > 0.035));
   }
 }
@@ -159,7 +159,7 @@ TEST_CASE("a side that is not continued turns over sixteen places, and the lengt
   sides[1].c = curve({Vec3(0, 1, 0), Vec3(0, 0, 1)});
   sides[2].c = curve({Vec3(0, 0, 1), Vec3(1, 0, 0)});
   for (Side& side : sides) side.r = curve({Vec3::UnitZ(), Vec3::UnitZ()});
-  CHECK(told_by_rim(sides, {false, false, false})[1].r.pieces() == 16);
+  CHECK(planes_from_rim(sides, {false, false, false})[1].r.pieces() == 16);
   const PiecewisePolynomial quarter = PiecewisePolynomial::fit(
       [](std::span<const double> t, std::span<double> out) {
         for (std::size_t k = 0; k < t.size(); ++k)

@@ -21,7 +21,7 @@ Stencil stencil(int rings, const F& height) {
   Seen seen;
   measure(flat.w, flat.drafts[2], 3, {rings, false, true, false}, search, seen);
   Stencil& s = seen.stencil;
-  for (EightHeights& of : s.heights)
+  for (SampleBlock& of : s.heights)
     for (int k = 0; k < 8; ++k) of.z[k] = height(of.x[k], of.y[k]);
   return s;
 }
@@ -41,7 +41,7 @@ Eigen::MatrixXd rows_of(const Stencil& s) {
 Eigen::VectorXd weights_of(const Stencil& s, const VarianceComponents& components) {
   Eigen::VectorXd weights(s.points);
   for (Index k = 0; k < s.points; ++k) {
-    const EightHeights& of = s.heights[k / 8];
+    const SampleBlock& of = s.heights[k / 8];
     weights[k] = of.share[k % 8] / (components.noise + components.truncation * of.g[k % 8]);
   }
   return weights;

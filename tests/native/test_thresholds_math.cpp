@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "tripatch/math/piecewise_polynomial.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 
 using namespace tripatch;
 

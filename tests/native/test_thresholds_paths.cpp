@@ -9,7 +9,7 @@
 #include "test_refusals.h"
 #include "tripatch/fill.h"
 #include "tripatch/fill/cage_fills.h"
-#include "tripatch/fill/ground.h"
+#include "tripatch/fill/fill_context.h"
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/polygon/round.h"
 
@@ -99,7 +99,7 @@ TEST_CASE("of four corners that a cage guesses those are taken that begin first,
     const std::optional<std::vector<Index>> rim = hole.rim;
     FillOptions options;
     const Mesh mesh = hole.mesh();
-    const SidedRim found = cage_rim_of(Ground(mesh, rim, options), rim, {});
+    const SidedRim found = cage_rim_of(FillContext(mesh, rim, options), rim, {});
     REQUIRE(found.guessed);
     REQUIRE(found.corners.size() == 4);
     const Index first = *std::min_element(found.rim.begin(), found.rim.end());
@@ -168,7 +168,7 @@ TEST_CASE(
     SidedRim rim;
     rim.rim = hole.rim;
     const Mesh mesh = hole.mesh();
-    return may_fold_by_splitting(Ground(mesh, hole.rim, {}), rim);
+    return may_fold_by_splitting(FillContext(mesh, hole.rim, {}), rim);
   };
   CHECK_FALSE(may_fold(9, 3.95));
   CHECK(may_fold(9, 4.05));

@@ -8,7 +8,7 @@
 #include "test_rings.h"
 #include "tripatch/creases/creased_fill.h"
 #include "tripatch/hole/rim_shape.h"
-#include "tripatch/spline/least_bent.h"
+#include "tripatch/spline/minimize_bending.h"
 #include "tripatch/spline/plane_fill.h"
 
 using namespace tripatch;
@@ -460,7 +460,7 @@ TEST_CASE(
     REQUIRE(fill.plainer);
     CHECK(fill.plainer->code == Code::least_bending);
     CHECK((fill.vertices.rows() * n > 1'000'000) == (n == 240));
-    CHECK((dynamic_cast<const Field*>(fill.surface.get()) != nullptr) == (n == 240));
+    CHECK((dynamic_cast<const PolyharmonicSpline*>(fill.surface.get()) != nullptr) == (n == 240));
     CHECK(fill.folds == 0);
   }
 }

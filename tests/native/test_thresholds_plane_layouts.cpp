@@ -6,12 +6,12 @@
 #include "test_rings.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/report/folded_triangles.h"
+#include "tripatch/spline/base_surface.h"
 #include "tripatch/spline/disc.h"
-#include "tripatch/spline/layout.h"
-#include "tripatch/spline/least_bent.h"
+#include "tripatch/spline/min_weight_triangulation.h"
+#include "tripatch/spline/minimize_bending.h"
+#include "tripatch/spline/parametrization.h"
 #include "tripatch/spline/plane_fill.h"
-#include "tripatch/spline/reference.h"
-#include "tripatch/spline/rough_fill.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;
@@ -40,27 +40,27 @@ struct FirstLayout {
     points = disc.points;
     RimSurroundings beyond;
     beyond.normals.resize(rim, 3);
-    for (const FaceBeyond& face : faces_beyond_rows(rings.mesh(), around, {rings.rim}))
+    for (const AdjacentFace& face : faces_beyond_rows(rings.mesh(), around, {rings.rim}))
       beyond.normals.row(face.from) = face.normal;
     for (Index k = 0; k < rim; ++k) beyond.joined.push_back({std::min(k, (k + 1) % rim), std::max(k, (k + 1) % rim)});
-    std::vector<std::array<Index, 3>> triangles = rough_fill(points.topRows(rim), beyond).triangles;
+    std::vector<std::array<Index, 3>> triangles = min_weight_triangulation(points.topRows(rim), beyond).triangles;
     rough_area = area(points, triangles);
     triangles.insert(triangles.end(), disc.triangles.begin(), disc.triangles.end());
     PlaneLayoutOptions options;
     options.tolerance = 1e-3;
-    laid = lay_out(points, triangles, options)->uv;
+    laid = parametrize(points, triangles, options)->uv;
     Points all(rim + fill.vertices.rows(), 3);
     all << points.topRows(rim), fill.vertices;
     area_of_fill = area(all, fill.triangles);
     edge = (points.row(0) - points.row(1)).norm();
   }
   /// What polynomials of a degree leave of the samples, over an edge.
-  double left_by(int degree) const { return Reference(laid, points, degree).distance_across() / edge; }
+  double left_by(int degree) const { return BaseSurface(laid, points, degree).distance_across() / edge; }
   /// Whether the rim lies where it has its feet on references of degrees, each through the feet on the one before.
   bool is_on(const std::vector<int>& degrees) const {
     PlanePoints at = laid, of_rim = laid.topRows(rim);
     for (int degree : degrees) {
-      const Reference reference(at, points, degree);
+      const BaseSurface reference(at, points, degree);
       of_rim = reference.foot_points(of_rim, points.topRows(rim));
       at = reference.foot_points(at, points);
     }
@@ -78,7 +78,7 @@ struct FirstLayout {
     FieldOptions options;
     options.orders = {2.5};
     options.unit = edge;
-    const Field difference(uv, share * (other - fill.field->positions(as_rows(uv))), options);
+    const PolyharmonicSpline difference(uv, share * (other - fill.field->positions(as_rows(uv))), options);
     return of_field.bottomRows(added) + difference.positions(as_rows(fill.uv));
   }
 };
@@ -101,13 +101,13 @@ TEST_CASE("surroundings are not followed whose layout has an energy of 100", "[t
     const Disc disc = disc_around(rings.mesh(), around, {rings.rim}, 0, 2);
     RimSurroundings beyond;
     beyond.normals.resize(rings.n, 3);
-    for (const FaceBeyond& face : faces_beyond_rows(rings.mesh(), around, {rings.rim}))
+    for (const AdjacentFace& face : faces_beyond_rows(rings.mesh(), around, {rings.rim}))
       beyond.normals.row(face.from) = face.normal;
-    std::vector<std::array<Index, 3>> triangles = rough_fill(disc.points.topRows(rings.n), beyond).triangles;
+    std::vector<std::array<Index, 3>> triangles = min_weight_triangulation(disc.points.topRows(rings.n), beyond).triangles;
     triangles.insert(triangles.end(), disc.triangles.begin(), disc.triangles.end());
     PlaneLayoutOptions options;
     options.tolerance = 1e-3;
-    const double energy = lay_out(disc.points, triangles, options)->energies.back();
+    const double energy = parametrize(disc.points, triangles, options)->energies.back();
     CAPTURE(steep, energy);
     REQUIRE(std::abs(energy - 100) < 2.5);
     const bool follows = fill_over_plane(rings.mesh(), around, {rings.rim}).rings == 2;
@@ -158,7 +158,7 @@ TEST_CASE("the second model is taken from a tenth of it on", "[thresholds]") {
   double below = 0, above = 1;
   for (double size = 0.0098; size < 0.0115; size *= 1.02) {
     const FirstLayout one(Rings(radii(0.05, 5), [=](double x, double y) { return Vec3(x, y, size * random_at(x, y)); }));
-    const Field& field = *one.fill.field;
+    const PolyharmonicSpline& field = *one.fill.field;
     const double left = one.left_by(one.left_by(6) > 0.05 ? 6 : 4) * one.edge;
     const double share = share_of_second(
         {field.noise() / one.edge, field.roughness(), share_of_details(field.noise(), left), field.mean_order(), false});
@@ -185,8 +185,9 @@ double median_edge(const Mesh& mesh, const std::vector<Index>& rim) {
 /// edges. rough: of the heights, over an edge.
 struct Fillet {
   PlaneFill fill;
-  double noise;            // over an edge, as the field has it
-  double least_bent, own;  // how far from the field, over the diameter, the triangles that bend least are, and the fill's own
+  double noise;  // over an edge, as the field has it
+  double minimize_bending,
+      own;  // how far from the field, over the diameter, the triangles that bend least are, and the fill's own
 
   Fillet(Index n, double degrees, int rows, double rough) {
     const double edge = std::numbers::pi / static_cast<double>(n);
@@ -210,10 +211,10 @@ struct Fillet {
     Points points(n + on_field.rows(), 3);
     points << rings.vertices.topRows(n), on_field;
     const auto far = [&](const Points& some) { return (some - on_field).rowwise().norm().maxCoeff() / size; };
-    least_bent = far(second_model(points, fill.triangles, disc, {2})->vertices);
+    minimize_bending = far(second_model(points, fill.triangles, disc, {2})->vertices);
     own = far(fill.vertices);
   }
-  bool is_held_back() const { return own > 0.99 * least_bent; }
+  bool is_held_back() const { return own > 0.99 * minimize_bending; }
 };
 
 }  // namespace
@@ -222,8 +223,9 @@ TEST_CASE("a fill that runs on like the end of a fillet is held back from a fift
   double below = 0, above = 1;
   for (double degrees = 68; degrees < 75; degrees += 0.5) {
     const Fillet one(24, degrees, 4, 0);
-    CHECK(one.is_held_back() == (one.least_bent > 0.2));
-    (one.is_held_back() ? above : below) = one.is_held_back() ? std::min(above, one.least_bent) : std::max(below, one.least_bent);
+    CHECK(one.is_held_back() == (one.minimize_bending > 0.2));
+    (one.is_held_back() ? above : below) =
+        one.is_held_back() ? std::min(above, one.minimize_bending) : std::max(below, one.minimize_bending);
   }
   CHECK(below > 0.19);
   CHECK(above < 0.21);
@@ -233,7 +235,7 @@ TEST_CASE("a fill through noise of 0.15 edges and more is not held back", "[thre
   double below = 0, above = 1;
   for (double rough = 0.22; rough < 0.28; rough += 0.005) {
     const Fillet one(24, 120, 2, rough);
-    CHECK(one.least_bent > 0.22);
+    CHECK(one.minimize_bending > 0.22);
     CHECK(one.is_held_back() == (one.noise < 0.15));
     (one.is_held_back() ? below : above) = one.is_held_back() ? std::max(below, one.noise) : std::min(above, one.noise);
   }

@@ -6,9 +6,9 @@
 #include "test_surfaces.h"
 #include "tripatch/fairing/curvature_following.h"
 #include "tripatch/fairing/descent.h"
-#include "tripatch/polygon/revolved.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/polygon/round_problem.h"
+#include "tripatch/polygon/surface_of_revolution.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

@@ -253,7 +253,7 @@ TEST_CASE("sizes grow from a fine side to a coarse one") {
   CHECK(far / far_count > 20 * near / near_count);
 }
 
-TEST_CASE("a rim so dense that its own density would be huge is coarsened inwards") {
+TEST_CASE("a rim so dense that its own density would be huge is decimated inwards") {
   const Parameters p = {graded(1500), graded(900), graded(600)};
   const TriangleMesh mesh = triangulate(p, {}, octant);
   CHECK(flaw(p, mesh) == "");

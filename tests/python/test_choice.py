@@ -24,14 +24,16 @@ def test_the_used_candidate_comes_first_and_is_the_fill():
     first, *others = report.candidates
     assert (first.status, first.method, first.why) == ("used", report.method, report.method_reason)
     assert {each.status for each in others} <= {"made", "skipped", "refused"}
-    assert (first.folds, first.crosses, first.leaves_hole) == (0, False, False)
+    assert (first.folds, first.crosses, first.exceeds_hole_bounds) == (0, False, False)
     assert first.seam_deg == report.seam_angle_max
 
 
 def test_of_valid_candidates_the_one_with_the_least_expected_error_is_used():
     vertices, faces, rim = octant(8)
     first, *others = candidates(vertices, faces, rim=rim)
-    made = [each for each in others if each.status == "made" and not each.folds and not each.crosses and not each.leaves_hole]
+    made = [
+        each for each in others if each.status == "made" and not each.folds and not each.crosses and not each.exceeds_hole_bounds
+    ]
     assert made and all(first.expected_error <= each.expected_error for each in made)
 
 
@@ -58,7 +60,7 @@ def test_candidates_that_are_not_made_say_why_and_have_no_numbers():
     others = [each for each in candidates(vertices, faces, rim=rim) if each.status in ("skipped", "refused")]
     assert others
     for each in others:
-        assert each.why and each.expected_error is each.folds is each.crosses is each.leaves_hole is each.seam_deg is None
+        assert each.why and each.expected_error is each.folds is each.crosses is each.exceeds_hole_bounds is each.seam_deg is None
 
 
 def test_expected_errors_are_lengths():

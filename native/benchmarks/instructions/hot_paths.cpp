@@ -11,7 +11,7 @@
 #include "tripatch/fill.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/mesh/border_loops.h"
-#include "tripatch/spline/rough_fill.h"
+#include "tripatch/spline/min_weight_triangulation.h"
 
 using namespace tripatch;
 
@@ -96,7 +96,7 @@ void roughly() {
                  out = 1 + 1e-4 * static_cast<double>(k * k % 7919) / 7919;
     rim.row(k) << 100 * out * std::cos(turn), 100 * out * std::sin(turn), 20 * std::sin(3 * turn);
   }
-  rough_fill(rim);
+  min_weight_triangulation(rim);
 }
 
 const std::map<std::string, std::function<void()>> paths = {

@@ -17,7 +17,7 @@ class Candidate(NamedTuple):
     #: Whether it crosses itself.
     crosses: bool | None
     #: Whether it reaches farther from the boundary than the hole is wide.
-    leaves_hole: bool | None
+    exceeds_hole_bounds: bool | None
     #: Largest seam angle, in degrees: not compared.
     seam_deg: float | None
     why: str

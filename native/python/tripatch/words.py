@@ -32,7 +32,7 @@ def candidates(report: Report) -> list[str]:
     for each in report.candidates:
         said: dict[str, Any] = {"status": f"{each.status:8}", "method": f"{each.method:{width}}", "reason": each.why}
         if each.expected_error is not None:
-            flaws = {"crosses": each.crosses, "folds": each.folds, "leaves": each.leaves_hole}
+            flaws = {"crosses": each.crosses, "folds": each.folds, "leaves": each.exceeds_hole_bounds}
             said |= {"error": length(each.expected_error)} | {name: int(value) for name, value in flaws.items() if value}
         lines.append(Message("candidate_skipped" if each.expected_error is None else "candidate_made", said))
     return lines

@@ -9,7 +9,7 @@
 #include "tripatch/annulus/closed_side.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/hole/rim_checks.h"
-#include "tripatch/math/beginning.h"
+#include "tripatch/math/canonical_start.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/quad_cover.h"
 #include "tripatch/report/folded_triangles.h"

@@ -11,7 +11,7 @@
 #include "tripatch/estimate/side_planes.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/report/folded_triangles.h"
 
@@ -182,18 +182,18 @@ ClosedSide closed_side(const Mesh& mesh, const Connectivity& around, const std::
   return out;
 }
 
-Beginning beginning_of_closed(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+CanonicalStart beginning_of_closed(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
   const Index n = static_cast<Index>(rim.size());
   const Points points = mesh.vertices(rim, Eigen::all);
   const Vec3 middle = points.colwise().mean();
-  const std::vector<FaceBeyond> beyond = faces_beyond(mesh, around, {rim});
+  const std::vector<AdjacentFace> beyond = faces_beyond(mesh, around, {rim});
   std::vector<double> before, after;  // of the edges next to each vertex
   for (Index k = 0; k < n; ++k) {
     const Vec3 from = Vec3(points.row(k)) - middle;
     after.push_back(from.norm() + lean_counts * from.dot(beyond[k].normal.stableNormalized()));
     before.push_back(from.norm() + lean_counts * from.dot(beyond[(k + n - 1) % n].normal.stableNormalized()));
   }
-  Beginning best;
+  CanonicalStart best;
   double most = 0;
   for (const bool backwards : {false, true})
     for (Index k = 0; k < n; ++k) {

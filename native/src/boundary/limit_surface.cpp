@@ -16,7 +16,7 @@
 #include <map>
 #include <numeric>
 
-#include "tripatch/boundary/complaint.h"
+#include "tripatch/boundary/osd_error_scope.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/messages.h"
 
@@ -147,7 +147,7 @@ private:
     using Factory = far::TopologyRefinerFactory<far::TopologyDescriptor>;
     Factory::Options factory(settings.loop ? sdc::SCHEME_LOOP : sdc::SCHEME_CATMARK, options);
     factory.validateFullTopology = true;
-    const Complaint complaint;
+    const OsdErrorScope complaint;
     refiner.reset(Factory::Create(topology, factory));
     if (!refiner) throw not_subdivided(Subdivided::cage, faces, part.face, complaint);
   }

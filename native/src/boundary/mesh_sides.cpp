@@ -17,7 +17,7 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/smoothstep.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -100,7 +100,7 @@ VarianceComponents components_of(const LocalMesh& w, const std::array<SideDraft,
   double radius = 0, points = 0;
   for (const std::vector<Stencil>& side : samples)
     for (const Stencil& s : side) {
-      for (const EightHeights& of : s.heights)
+      for (const SampleBlock& of : s.heights)
         for (int k = 0; k < 8; ++k) radius += Vec3(of.x[k], of.y[k], of.z[k]).norm();
       points += static_cast<double>(s.points);
     }

@@ -8,7 +8,7 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/smoothstep.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {

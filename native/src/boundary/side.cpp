@@ -92,7 +92,7 @@ Side moved_ends(Side side, const Vec3& start, const Vec3& end) {
   return side;
 }
 
-std::vector<Side> told_by_rim(std::vector<Side> sides, const std::vector<bool>& continued) {
+std::vector<Side> planes_from_rim(std::vector<Side> sides, const std::vector<bool>& continued) {
   const std::size_t n = sides.size();
   if (std::find(continued.begin(), continued.end(), false) == continued.end()) return sides;
   for (std::size_t k = 0; k < n; ++k)
@@ -108,10 +108,10 @@ std::vector<Side> told_by_rim(std::vector<Side> sides, const std::vector<bool>& 
   return sides;
 }
 
-Sides told_by_rim(const Sides& sides, const std::array<bool, 3>& continued) {
+Sides planes_from_rim(const Sides& sides, const std::array<bool, 3>& continued) {
   if (continued[0] && continued[1] && continued[2]) return sides;
   std::vector<Side> all =
-      told_by_rim(std::vector<Side>(sides.begin(), sides.end()), std::vector<bool>(continued.begin(), continued.end()));
+      planes_from_rim(std::vector<Side>(sides.begin(), sides.end()), std::vector<bool>(continued.begin(), continued.end()));
   return {std::move(all[0]), std::move(all[1]), std::move(all[2])};
 }
 

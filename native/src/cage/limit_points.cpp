@@ -8,7 +8,7 @@
 #include <numeric>
 #include <vector>
 
-#include "tripatch/boundary/complaint.h"
+#include "tripatch/boundary/osd_error_scope.h"
 
 namespace tripatch {
 namespace {
@@ -48,7 +48,7 @@ std::unique_ptr<far::TopologyRefiner> refiner_of(const Mesh& mesh) {
   using Factory = far::TopologyRefinerFactory<far::TopologyDescriptor>;
   sdc::Options options;
   options.SetVtxBoundaryInterpolation(sdc::Options::VTX_BOUNDARY_EDGE_ONLY);
-  const Complaint complaint;
+  const OsdErrorScope complaint;
   std::unique_ptr<far::TopologyRefiner> refiner(Factory::Create(topology, Factory::Options(sdc::SCHEME_CATMARK, options)));
   if (!refiner) {
     std::vector<Index> all(mesh.faces.size());

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "tripatch/hole/rim_shape.h"
-#include "tripatch/math/beginning.h"
+#include "tripatch/math/canonical_start.h"
 #include "tripatch/polygon/follow.h"
 #include "tripatch/quads/grown_quads.h"
 
@@ -25,14 +25,14 @@ PlanePoints seen(const Points& rim) {
 }
 
 /// From where the rim's geometry begins it, as seen in a mirror where it goes backwards: which of equal layouts is taken hangs on that.
-Beginning beginning_of(const Points& rim, const std::vector<Index>& places) {
-  Beginnings beginnings(rim, {}, places);
+CanonicalStart beginning_of(const Points& rim, const std::vector<Index>& places) {
+  CanonicalStarts beginnings(rim, {}, places);
   beginnings.compare_along();
   return beginnings.left()[0];
 }
 
 /// A layout of a rim that was walked so.
-QuadLayout as_given(const PlaneLayout& walked, const Beginning& first) {
+QuadLayout as_given(const PlaneLayout& walked, const CanonicalStart& first) {
   const Index r = walked.rim;
   const auto given = [&](Index k) { return k < r ? first.at(k, r) : k; };
   QuadLayout layout;
@@ -53,7 +53,7 @@ QuadLayout as_given(const PlaneLayout& walked, const Beginning& first) {
 
 /// A rim from where its geometry begins it, and in which direction: what its vertices want is rounded along it.
 struct Walk {
-  Beginning first;
+  CanonicalStart first;
   std::vector<Index> rim;
 };
 
@@ -156,7 +156,7 @@ QuadLayout polygon_cage_layout(const SidedRim& rim, const Points& vertices, cons
     return std::move(*grown);
   }
   // from where the rim's geometry begins it, as seen in a mirror where it goes backwards: which of equal layouts is taken hangs on that
-  const Beginning first = beginning_of(vertices(rim.rim, Eigen::all), rim.corners);
+  const CanonicalStart first = beginning_of(vertices(rim.rim, Eigen::all), rim.corners);
   PlanePoints walked(r, 2);
   std::vector<RimCorner> corners;
   for (Index k = 0; k < r; ++k) {

@@ -10,7 +10,7 @@
 #include "tripatch/creases/crease_curve.h"
 #include "tripatch/creases/hinged_surface.h"
 #include "tripatch/hole/rim_shape.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/mesh/triangles.h"
 #include "tripatch/report/crossings.h"

@@ -9,7 +9,7 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/decompositions.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/mesh/vertex_normals.h"
 #include "tripatch/spline/disc.h"

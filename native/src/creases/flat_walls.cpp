@@ -12,7 +12,7 @@
 
 #include "tripatch/creases/wall_meeting.h"
 #include "tripatch/math/angle.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/mesh/vertex_normals.h"
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "tripatch/math/plane.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
 namespace {

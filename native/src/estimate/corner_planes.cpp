@@ -24,7 +24,7 @@ constexpr double wide = 0.3;
 constexpr double even_turns = 0.05;
 /// By how much planes along a side between two planes are off, of what its turns differ by: arcs of ellipses, of axes of 1.3 to 2, in
 /// two to four faces.
-constexpr double off_by_uneven = 0.4;
+constexpr double expected_error_uneven = 0.4;
 /// Of its chord: a side that leaves a plane by no more is flat. Arcs of bevels are to rounding.
 constexpr double flat_arc = 1e-3;
 /// Shares of a side's turn at its last inner vertex by which the plane behind its end may lean against its last face; half in a fillet
@@ -136,7 +136,7 @@ struct EndOfSide {
     return seen_stretched && !is_smooth() && lean < clear_edge * turn && is_strip(w, side, min_lean * turn);
   }
   /// How far the plane may be off, by what it leans otherwise than by half of a turn.
-  double off() const { return off_by_uneven * (lean - turn / 2); }
+  double off() const { return expected_error_uneven * (lean - turn / 2); }
 };
 
 EndOfSide end_of(const LocalMesh& w, const SideDraft& side, bool end, const Vec3& plane, const std::optional<ArcFrame>& frame) {
@@ -170,7 +170,7 @@ void take_planes_of_conics(const LocalMesh& w, const ArcFrame& frame, SideFit& f
   const double ends = std::max(fit.slope_variances.front(), fit.slope_variances.back());
   for (int k = 1; k < edges; ++k) {
     const Vec3 along = frame.tangent(k), mean = mean_of_facets(w, side, k);
-    const double off = angle_between(along, frame.tangent(k, off_by_uneven * (most - least))),
+    const double off = angle_between(along, frame.tangent(k, expected_error_uneven * (most - least))),
                  variance = std::max(off * off, ends);
     if (!(variance < fit.slope_variances[k] || most - least <= even_turns * most)) continue;
     const std::optional<Vec3> ruling = ruling_at(w, side, k);
@@ -194,7 +194,7 @@ void take_even_facets(const LocalMesh& w, SideFit& fit, SideDraft& side) {
   }
   const bool even = most - least <= even_turns * most;
   const double uneven =
-      std::max({std::pow(off_by_uneven * (most - least), 2), fit.slope_variances.front(), fit.slope_variances.back()});
+      std::max({std::pow(expected_error_uneven * (most - least), 2), fit.slope_variances.front(), fit.slope_variances.back()});
   for (int k = 1; k < edges; ++k) {
     if (even) side.normal[k] = mean_of_facets(w, side, k).stableNormalized();
     fit.slope_variances[k] = std::min(fit.slope_variances[k], uneven);

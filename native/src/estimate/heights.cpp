@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tripatch/math/machines.h"
+#include "tripatch/math/simd.h"
 
 // As in linear.cpp: compiled for newer machines too, which all make the same bits, and chosen at run time.
 #ifdef __GNUC__
@@ -73,12 +73,12 @@ TRIPATCH_INLINE void add_up(const double* sums, int count, double* out) {
 }
 
 template <int Width>
-TRIPATCH_INLINE void lay_over_with(const double* along, const double* across, const double* up, EightHeights* heights,
+TRIPATCH_INLINE void lay_over_with(const double* along, const double* across, const double* up, SampleBlock* heights,
                                    Index count) {
   using V = typename Register<Width>::Of;
   for (Index k = 0; k < count; ++k)
     for (int half = 0; half < 8; half += Width) {
-      EightHeights& of = heights[k];
+      SampleBlock& of = heights[k];
       V &x = TRIPATCH_IN(V, of.x.data() + half), &y = TRIPATCH_IN(V, of.y.data() + half), &z = TRIPATCH_IN(V, of.z.data() + half);
       const V a = x * along[0] + y * along[1] + z * along[2], b = x * across[0] + y * across[1] + z * across[2],
               c = x * up[0] + y * up[1] + z * up[2], square = a * a + b * b + c * c, cube = square * square * square;
@@ -116,7 +116,7 @@ TRIPATCH_INLINE void sum_two(const typename Register<Width>::Of* p, Index count,
 }
 
 template <int Width>
-TRIPATCH_INLINE void sum_products_with(const EightHeights* heights, Index count, const HeightVariances& variances, double* weight,
+TRIPATCH_INLINE void sum_products_with(const SampleBlock* heights, Index count, const HeightVariances& variances, double* weight,
                                        double* room, double* out) {
   using V = typename Register<Width>::Of;
   double sums[8 * all_sums];
@@ -126,7 +126,7 @@ TRIPATCH_INLINE void sum_products_with(const EightHeights* heights, Index count,
     V* const all = reinterpret_cast<V*>(room);
     V* p = all;
     for (Index k = 0; k < count; ++k, p += powers) {
-      const EightHeights& of = heights[k];
+      const SampleBlock& of = heights[k];
       const V x = TRIPATCH_IN(const V, of.x.data() + half), y = TRIPATCH_IN(const V, of.y.data() + half),
               z = TRIPATCH_IN(const V, of.z.data() + half);
       const V w = TRIPATCH_IN(const V, of.share.data() + half) /
@@ -170,7 +170,7 @@ TRIPATCH_INLINE void sum_products_with(const EightHeights* heights, Index count,
 }
 
 template <int Width>
-TRIPATCH_INLINE void sum_residuals_with(const EightHeights* heights, Index count, const double* weight, const double* c,
+TRIPATCH_INLINE void sum_residuals_with(const SampleBlock* heights, Index count, const double* weight, const double* c,
                                         double* out) {
   using V = typename Register<Width>::Of;
   double sums[8 * 24];
@@ -180,7 +180,7 @@ TRIPATCH_INLINE void sum_residuals_with(const EightHeights* heights, Index count
     TRIPATCH_UNROLL
     for (V& sum : a) Register<Width>::clear(sum);
     for (Index k = 0; k < count; ++k) {
-      const EightHeights& of = heights[k];
+      const SampleBlock& of = heights[k];
       set_monomials<Width>(of.x.data() + half, of.y.data() + half, t);
       V even = c[0] - TRIPATCH_IN(const V, of.z.data() + half), odd = c[1] * t[1];
       TRIPATCH_UNROLL
@@ -214,7 +214,7 @@ TRIPATCH_INLINE void square_lengths(const double* r, const double* over, typenam
 
 /// Variances of the heights that are fitted to eight points, and what the polynomial is above these.
 template <int Width>
-TRIPATCH_INLINE void look_at(const EightHeights& of, const double* c, const double* r, const double* over, double* known,
+TRIPATCH_INLINE void look_at(const SampleBlock& of, const double* c, const double* r, const double* over, double* known,
                              double* residual) {
   using V = typename Register<Width>::Of;
   for (int half = 0; half < 8; half += Width) {
@@ -248,13 +248,13 @@ TRIPATCH_INLINE void coefficient_variances_with(const double* r, const double* o
 }
 
 template <int Width>
-TRIPATCH_INLINE void explain_heights_with(const EightHeights* heights, Index count, const HeightVariances& variances,
+TRIPATCH_INLINE void explain_heights_with(const SampleBlock* heights, Index count, const HeightVariances& variances,
                                           const double* weight, const double* c, const double* r, const double* over_diagonal,
                                           ExplainedHeights& out) {
   constexpr int sums = 6;
   double sum[sums][8] = {}, known[8], residual[8];
   for (Index k = 0; k < count; ++k) {
-    const EightHeights& of = heights[k];
+    const SampleBlock& of = heights[k];
     look_at<Width>(of, c, r, over_diagonal, known, residual);
     for (int i = 0; i < 8; ++i) {
       const double truncation = variances.truncation * of.g[i], over = 1 / (variances.noise + truncation);
@@ -320,11 +320,11 @@ TRIPATCH_INLINE void products_of_columns_with(const double* r, const double* ove
 }
 
 struct Sums {
-  void (*lay_over)(const double* along, const double* across, const double* up, EightHeights* heights, Index count);
-  void (*products)(const EightHeights* heights, Index count, const HeightVariances& variances, double* weight, double* room,
+  void (*lay_over)(const double* along, const double* across, const double* up, SampleBlock* heights, Index count);
+  void (*products)(const SampleBlock* heights, Index count, const HeightVariances& variances, double* weight, double* room,
                    double* out);
-  void (*residuals)(const EightHeights* heights, Index count, const double* weight, const double* c, double* out);
-  void (*explain)(const EightHeights* heights, Index count, const HeightVariances& variances, const double* weight,
+  void (*residuals)(const SampleBlock* heights, Index count, const double* weight, const double* c, double* out);
+  void (*explain)(const SampleBlock* heights, Index count, const HeightVariances& variances, const double* weight,
                   const double* c, const double* r, const double* over, ExplainedHeights& out);
   void (*coefficient_variances)(const double* r, const double* over, double* out);
   void (*solve_upper)(const double* r, const double* over, double* x);
@@ -332,39 +332,38 @@ struct Sums {
   void (*products_of_columns)(const double* r, const double* over, double* out);
 };
 
-#define TRIPATCH_SUMS(name, width, machine)                                                                                     \
-  machine void lay_over_##name(const double* along, const double* across, const double* up, EightHeights* heights,              \
-                               Index count) {                                                                                   \
-    lay_over_with<width>(along, across, up, heights, count);                                                                    \
-  }                                                                                                                             \
-  machine void products_##name(const EightHeights* heights, Index count, const HeightVariances& variances, double* weight,      \
-                               double* room, double* out) {                                                                     \
-    sum_products_with<width>(heights, count, variances, weight, room, out);                                                     \
-  }                                                                                                                             \
-  machine void residuals_##name(const EightHeights* heights, Index count, const double* weight, const double* c, double* out) { \
-    sum_residuals_with<width>(heights, count, weight, c, out);                                                                  \
-  }                                                                                                                             \
-  machine void explain_##name(const EightHeights* heights, Index count, const HeightVariances& variances, const double* weight, \
-                              const double* c, const double* r, const double* over, ExplainedHeights& out) {                    \
-    explain_heights_with<width>(heights, count, variances, weight, c, r, over, out);                                            \
-  }                                                                                                                             \
-  machine void coefficient_variances_##name(const double* r, const double* over, double* out) {                                 \
-    coefficient_variances_with<width>(r, over, out);                                                                            \
-  }                                                                                                                             \
-  machine void solve_upper_##name(const double* r, const double* over, double* x) { solve_upper_with(r, over, x); }             \
-  machine void solve_upper_transposed_##name(const double* r, const double* over, double* x) {                                  \
-    solve_upper_transposed_with(r, over, x);                                                                                    \
-  }                                                                                                                             \
-  machine void products_of_columns_##name(const double* r, const double* over, double* out) {                                   \
-    products_of_columns_with(r, over, out);                                                                                     \
-  }                                                                                                                             \
-  constexpr Sums name = {lay_over_##name,                                                                                       \
-                         products_##name,                                                                                       \
-                         residuals_##name,                                                                                      \
-                         explain_##name,                                                                                        \
-                         coefficient_variances_##name,                                                                          \
-                         solve_upper_##name,                                                                                    \
-                         solve_upper_transposed_##name,                                                                         \
+#define TRIPATCH_SUMS(name, width, machine)                                                                                      \
+  machine void lay_over_##name(const double* along, const double* across, const double* up, SampleBlock* heights, Index count) { \
+    lay_over_with<width>(along, across, up, heights, count);                                                                     \
+  }                                                                                                                              \
+  machine void products_##name(const SampleBlock* heights, Index count, const HeightVariances& variances, double* weight,        \
+                               double* room, double* out) {                                                                      \
+    sum_products_with<width>(heights, count, variances, weight, room, out);                                                      \
+  }                                                                                                                              \
+  machine void residuals_##name(const SampleBlock* heights, Index count, const double* weight, const double* c, double* out) {   \
+    sum_residuals_with<width>(heights, count, weight, c, out);                                                                   \
+  }                                                                                                                              \
+  machine void explain_##name(const SampleBlock* heights, Index count, const HeightVariances& variances, const double* weight,   \
+                              const double* c, const double* r, const double* over, ExplainedHeights& out) {                     \
+    explain_heights_with<width>(heights, count, variances, weight, c, r, over, out);                                             \
+  }                                                                                                                              \
+  machine void coefficient_variances_##name(const double* r, const double* over, double* out) {                                  \
+    coefficient_variances_with<width>(r, over, out);                                                                             \
+  }                                                                                                                              \
+  machine void solve_upper_##name(const double* r, const double* over, double* x) { solve_upper_with(r, over, x); }              \
+  machine void solve_upper_transposed_##name(const double* r, const double* over, double* x) {                                   \
+    solve_upper_transposed_with(r, over, x);                                                                                     \
+  }                                                                                                                              \
+  machine void products_of_columns_##name(const double* r, const double* over, double* out) {                                    \
+    products_of_columns_with(r, over, out);                                                                                      \
+  }                                                                                                                              \
+  constexpr Sums name = {lay_over_##name,                                                                                        \
+                         products_##name,                                                                                        \
+                         residuals_##name,                                                                                       \
+                         explain_##name,                                                                                         \
+                         coefficient_variances_##name,                                                                           \
+                         solve_upper_##name,                                                                                     \
+                         solve_upper_transposed_##name,                                                                          \
                          products_of_columns_##name};
 
 TRIPATCH_SUMS(any_machine_sums, 4, )
@@ -380,25 +379,23 @@ constexpr Sums sums = any_machine_sums;
 
 }  // namespace
 
-void lay_over(const Vec3& along, const Vec3& across, const Vec3& up, std::vector<EightHeights>& heights) {
+void lay_over(const Vec3& along, const Vec3& across, const Vec3& up, std::vector<SampleBlock>& heights) {
   sums.lay_over(along.data(), across.data(), up.data(), heights.data(), static_cast<Index>(heights.size()));
 }
 
-void sum_products(const std::vector<EightHeights>& heights, const HeightVariances& variances, HeightRoom& room, SquareOf24& out) {
+void sum_products(const std::vector<SampleBlock>& heights, const HeightVariances& variances, Workspace& room, SquareOf24& out) {
   const Index count = static_cast<Index>(heights.size());
   room.weight.resize(8 * count);
   room.powers.resize(8 * powers * count);
   sums.products(heights.data(), count, variances, room.weight.data(), room.powers.data(), out.data());
 }
 
-void sum_residuals(const std::vector<EightHeights>& heights, const HeightRoom& room, const double* coefficients,
-                   ByMonomial& out) {
+void sum_residuals(const std::vector<SampleBlock>& heights, const Workspace& room, const double* coefficients, ByMonomial& out) {
   sums.residuals(heights.data(), static_cast<Index>(heights.size()), room.weight.data(), coefficients, out.data());
 }
 
-ExplainedHeights explain_heights(const std::vector<EightHeights>& heights, const HeightVariances& variances,
-                                 const HeightRoom& room, const double* coefficients, const SquareOf24& r,
-                                 const Reciprocals& over) {
+ExplainedHeights explain_heights(const std::vector<SampleBlock>& heights, const HeightVariances& variances, const Workspace& room,
+                                 const double* coefficients, const SquareOf24& r, const Reciprocals& over) {
   ExplainedHeights out;
   sums.explain(heights.data(), static_cast<Index>(heights.size()), variances, room.weight.data(), coefficients, r.data(),
                over.data(), out);

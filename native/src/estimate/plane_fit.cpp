@@ -97,7 +97,7 @@ void reflect(const Stencil& s, FitRoom& room) {
     const double root = std::sqrt(-minus_weight);
     room.rows.row(row).setZero();
     if (k < points) {
-      const EightHeights& of = s.heights[k / 8];
+      const SampleBlock& of = s.heights[k / 8];
       room.rows.row(row).head<fit_terms>() = root * monomials(of.x[k % 8], of.y[k % 8]);
       room.rows(row, fit_terms) = root * of.z[k % 8];
       continue;

@@ -35,7 +35,7 @@ constexpr double known_by_lean = 0.25;
 constexpr double agrees = 5;  ///< standard deviations from a plane to facets that have nothing against them; 0%, 0%
 /// By how much a plane is off along the rim where a side turns by x radians an edge: this times x^3, as the ends of a spline through an
 /// arc are. 2.7 to 3.2 degrees on arcs of 70 to 120 degrees in two edges.
-constexpr double off_by_turn = 7.5 * std::numbers::pi / 180;
+constexpr double expected_error_turn = 7.5 * std::numbers::pi / 180;
 constexpr int few_edges = 4;  ///< of a side; of more, fits see the turn themselves: less by the square of their number
 constexpr double bent = 5;    ///< degrees that a side turns by at least, for its faces to tell their plane; 0%, 0%
 constexpr double always_plausible =
@@ -279,7 +279,7 @@ double turn_variance(const LocalMesh& w, const SideDraft& side) {
     return sum;
   }
   for (int k = 1; k < edges; ++k) sum += std::pow(turn_at(side, k), 6) / (edges - 1);
-  return sum * std::pow(off_by_turn * std::min(1.0, std::pow(double(few_edges) / edges, 2)), 2);
+  return sum * std::pow(expected_error_turn * std::min(1.0, std::pow(double(few_edges) / edges, 2)), 2);
 }
 
 /// The facets' means at the inner vertices of a side, if each is as near to the plane taken there as that is known: then there is

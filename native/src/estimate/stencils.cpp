@@ -243,7 +243,7 @@ void set_heights(const LocalMesh& w, const std::vector<Share>& used, const Vec3&
   s.heights.resize((size + 7) / 8);
   if (size % 8 > 0) s.heights.back() = {};
   for (std::size_t k = 0; k < size; ++k) {
-    EightHeights& of = s.heights[k / 8];
+    SampleBlock& of = s.heights[k / 8];
     const Vec3& at = w.position[used[k].first];
     of.x[k % 8] = at[0] - p[0];
     of.y[k % 8] = at[1] - p[1];

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "tripatch/math/machines.h"
+#include "tripatch/math/simd.h"
 
 namespace tripatch {
 namespace {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <mutex>
 
-#include "tripatch/patch/packs.h"
+#include "tripatch/patch/simd.h"
 
 namespace tripatch {
 namespace {

@@ -53,27 +53,27 @@ double area(const Mesh& mesh, const Fill& fill) {
 
 /// The spline, which does not continue what meets the hole at an angle, unless that is the plainer way. given: corners of the rim, in its
 /// order; none: as detected.
-Fill fill_beside_sharp_sides(const Ground& ground, const Connectivity& around, const std::vector<Index>& rim,
+Fill fill_beside_sharp_sides(const FillContext& context, const Connectivity& around, const std::vector<Index>& rim,
                              const std::vector<Index>& given, SplineFillOptions options) {
   std::vector<Index> places = places_in(rim, given);
   try {
-    if (given.empty()) places = detect_corners(ground.mesh, around, rim);
+    if (given.empty()) places = detect_corners(context.mesh, around, rim);
   } catch (const Refusal&) {  // faces without area tell nothing
   }
   std::vector<double> angles;
   if (places.size() >= 2 && places.size() <= static_cast<std::size_t>(max_sides))
-    angles = sharp_sides(ground.mesh, around, rim, places);
-  if (!any_sharp(angles)) return fill_with_spline(ground.mesh, around, rim, {}, options);
-  const std::vector<Index> beyond = not_continued(ground.mesh, around, rim, places, angles);
-  const Connectivity continued(ground.mesh, beyond);
+    angles = sharp_sides(context.mesh, around, rim, places);
+  if (!any_sharp(angles)) return fill_with_spline(context.mesh, around, rim, {}, options);
+  const std::vector<Index> beyond = not_continued(context.mesh, around, rim, places, angles);
+  const Connectivity continued(context.mesh, beyond);
   options.continued = &continued;
-  Fill fill = fill_with_spline(ground.mesh, around, rim, {}, options);
+  Fill fill = fill_with_spline(context.mesh, around, rim, {}, options);
   if (!fill.feature_edges.empty()) return fill;  // each part continues from what is next to it
   const auto sharp = std::count_if(angles.begin(), angles.end(), [](double angle) { return angle > 0; });
   options.continued = nullptr;
-  Fill smooth = fill_with_spline(ground.mesh, around, rim, {}, options);
+  Fill smooth = fill_with_spline(context.mesh, around, rim, {}, options);
   const double larger = std::cmp_equal(sharp, angles.size()) ? larger_at_angle : 1;
-  const bool as_plain = area(ground.mesh, smooth) < larger * area(ground.mesh, fill);
+  const bool as_plain = area(context.mesh, smooth) < larger * area(context.mesh, fill);
   if (as_plain && harm(smooth.report) <= harm(fill.report)) return smooth;
   fill.report.warnings.push_back({Code::sharp_sides, {{"sharp", sharp}, {"sides", angles.size()}}});
   return fill;
@@ -110,16 +110,16 @@ bool is_continuity_open(const FillOptions& options) {
   return std::ranges::all_of(options.continuity, [](SideContinuity c) { return c == SideContinuity::automatic; });
 }
 
-Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
+Fill fill_any_rim(const FillContext& context, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
                   const std::string& reason) {
   if (options.surroundings == SurroundingsFrom::limit) throw CodedRefusal(Code::limit_needs_three_corners, {{"reason", reason}});
   Messages warnings;
   const auto ordered = [&](const std::vector<Index>& loop) {
-    std::vector<Index> checked = check_topology(ground.left, loop);
+    std::vector<Index> checked = check_topology(context.left, loop);
     std::rotate(checked.begin(), std::min_element(checked.begin(), checked.end()), checked.end());
-    check_finite(ground.mesh, ground.left, checked);
+    check_finite(context.mesh, context.left, checked);
     try {
-      check_positions(ground.mesh, ground.left, checked);
+      check_positions(context.mesh, context.left, checked);
     } catch (const CodedRefusal& refusal) {  // no hindrance to triangles
       warnings.push_back(refusal.message());
     }
@@ -130,12 +130,12 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   SplineFillOptions own = {options.resolution, options.output == Output::quads, options.features, nullptr, options.through};
   std::optional<Connectivity> nothing;
   if (meets_position_only(options)) {
-    own.continued = &nothing.emplace(without_faces(ground.mesh));
+    own.continued = &nothing.emplace(without_faces(context.mesh));
     own.features = false;
   }
   // A neighborhood that was enough for three sides is not for this: rings are taken as far as half the hole's diameter.
   const std::optional<Connectivity> all =
-      ground.is_part() ? std::optional<Connectivity>(Connectivity(ground.mesh, options.replaced)) : std::nullopt;
+      context.is_part() ? std::optional<Connectivity>(Connectivity(context.mesh, options.replaced)) : std::nullopt;
   std::vector<Index> loop = ordered(rim), at;  // from the first corner on; the others as the rim meets them
   check_apart(loop, islands);
   if (corners && !corners->empty()) {
@@ -148,10 +148,10 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
     check_distinct(*corners, "corners");
   }
   own.corners = places_in(loop, at);
-  const Connectivity& around = all ? *all : ground.left;
+  const Connectivity& around = all ? *all : context.left;
   const bool looks_for_sharp = islands.empty() && (!corners || !corners->empty()) && is_continuity_open(options);
-  Fill fill = looks_for_sharp ? fill_beside_sharp_sides(ground, around, loop, at, own)
-                              : fill_with_spline(ground.mesh, around, loop, islands, own);
+  Fill fill = looks_for_sharp ? fill_beside_sharp_sides(context, around, loop, at, own)
+                              : fill_with_spline(context.mesh, around, loop, islands, own);
   if (options.method == spline_method && !fill.patch && loop.size() > 3) throw CodedRefusal(Code::no_surface_laid_out, loop);
   fill.report.method_reason = reason;
   if (nothing) std::ranges::fill(fill.report.continuity, SeamContinuity::g0);
@@ -160,17 +160,17 @@ Fill fill_any_rim(const Ground& ground, const std::vector<Index>& rim, const Cor
   return fill;
 }
 
-Fill fill_ring(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options, const std::string& reason) {
+Fill fill_ring(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options, const std::string& reason) {
   if (options.islands.size() != 1) throw CodedRefusal(Code::ring_takes_two, {{"count", options.islands.size() + 1}});
   const auto ordered = [&](const std::vector<Index>& loop) {
-    std::vector<Index> checked = check_topology(ground.left, loop);
+    std::vector<Index> checked = check_topology(context.left, loop);
     std::rotate(checked.begin(), std::min_element(checked.begin(), checked.end()), checked.end());
-    check_positions(ground.mesh, ground.left, checked);
+    check_positions(context.mesh, context.left, checked);
     return checked;
   };
   const std::vector<Index> loop = ordered(rim), island = ordered(options.islands[0]);
   check_apart(loop, {island});
-  Fill fill = fill_with_annulus(ground.mesh, ground.left, loop, island, options);
+  Fill fill = fill_with_annulus(context.mesh, context.left, loop, island, options);
   fill.report.method_reason = reason;
   return fill;
 }
@@ -181,8 +181,8 @@ namespace {
 constexpr int foot_steps = 5;
 
 /// Faces whose vertices are numbered from those of a fill's rim on.
-Faces numbered_from_rim(const Ground& ground, const Faces& in_mesh, const Fill& fill) {
-  const Index n = ground.mesh.vertices.rows(), r = static_cast<Index>(fill.rim.size());
+Faces numbered_from_rim(const FillContext& context, const Faces& in_mesh, const Fill& fill) {
+  const Index n = context.mesh.vertices.rows(), r = static_cast<Index>(fill.rim.size());
   std::map<Index, Index> row;
   for (Index k = 0; k < r; ++k) row[fill.rim[static_cast<std::size_t>(k)]] = k;
   Faces faces = in_mesh;
@@ -191,8 +191,8 @@ Faces numbered_from_rim(const Ground& ground, const Faces& in_mesh, const Fill& 
 }
 
 /// The faces of a fill cut into triangles.
-std::vector<std::array<Index, 3>> triangles_in_plane(const Ground& ground, const Fill& fill) {
-  const Faces faces = numbered_from_rim(ground, fill.faces, fill);
+std::vector<std::array<Index, 3>> triangles_in_plane(const FillContext& context, const Fill& fill) {
+  const Faces faces = numbered_from_rim(context, fill.faces, fill);
   std::vector<std::array<Index, 3>> triangles;
   for (Index f = 0; f < faces.size(); ++f)
     for (std::size_t k = 2; k < faces[f].size(); ++k) triangles.push_back({faces[f][0], faces[f][k - 1], faces[f][k]});
@@ -200,16 +200,16 @@ std::vector<std::array<Index, 3>> triangles_in_plane(const Ground& ground, const
 }
 
 /// The quads of another fill between the same boundaries in the plane of a fill; places inside are not set.
-PlaneLayout layout_in_plane(const Ground& ground, const Fill& other, const Fill& fill) {
+PlaneLayout layout_in_plane(const FillContext& context, const Fill& other, const Fill& fill) {
   PlaneLayout layout;
   layout.rim = fill.rim_uv.rows();
   layout.uv = stacked(fill.rim_uv, PlanePoints(PlanePoints::Zero(other.vertices.rows(), 2)));
-  layout.faces = numbered_from_rim(ground, other.faces, fill);
+  layout.faces = numbered_from_rim(context, other.faces, fill);
   return layout;
 }
 
 /// A fill with the quads of another one as they are laid out in its plane; nothing where they do worse there than its own.
-std::optional<Fill> with_faces_of(const Ground& ground, const std::vector<std::vector<Index>>& loops, const Fill& other,
+std::optional<Fill> with_faces_of(const FillContext& context, const std::vector<std::vector<Index>>& loops, const Fill& other,
                                   const PlaneLayout& layout, double least, Fill fill) {
   PlanePoints uv = layout.uv.bottomRows(other.vertices.rows());
   const auto before = harm(fill.report);
@@ -223,12 +223,12 @@ std::optional<Fill> with_faces_of(const Ground& ground, const std::vector<std::v
   fill.deviation = std::move(deviation);
   std::tie(fill.vertices, fill.normals) = fill.patch->positions_and_normals(as_rows(fill.uv));
   if (!is_finite(fill)) return {};
-  const Points points = stacked(Points(ground.mesh.vertices(fill.rim, Eigen::all)), fill.vertices);
+  const Points points = stacked(Points(context.mesh.vertices(fill.rim, Eigen::all)), fill.vertices);
   if (!(quad_quality(points, layout.faces).least > least)) return {};
   fill.faces = other.faces;
   fill.report.rows = other.report.rows;
   fill.report.poles = other.report.poles;
-  measure_faces(ground.mesh, fill.vertices, fill.faces, faces_beyond(ground.mesh, ground.left, loops), fill.report);
+  measure_faces(context.mesh, fill.vertices, fill.faces, faces_beyond(context.mesh, context.left, loops), fill.report);
   if (harm(fill.report) > before) return {};
   return fill;
 }
@@ -242,28 +242,28 @@ PlanePoints on_cylinder(const PlanePoints& places, double inner) {
 }
 
 /// The faces of a ring on the surface of another fill between the same boundaries.
-std::optional<Fill> ring_on_surface(const Ground& ground, const std::vector<std::vector<Index>>& loops, const Fill& ring,
+std::optional<Fill> ring_on_surface(const FillContext& context, const std::vector<std::vector<Index>>& loops, const Fill& ring,
                                     const Fill& fill) {
   if (!fill.patch || fill.uv.rows() == 0 || fill.rim != ring.rim) return {};
-  PlaneLayout layout = layout_in_plane(ground, ring, fill);
+  PlaneLayout layout = layout_in_plane(context, ring, fill);
   const double inner = ring.rim_uv.bottomRows(1).norm();
   PlanePoints ends_at = on_cylinder(ring.rim_uv, inner);
   for (Index k = 0; k < ends_at.rows(); ++k) ends_at(k, 1) = std::round(ends_at(k, 1));
-  const SpreadRing spread(triangles_in_plane(ground, fill), stacked(fill.rim_uv, fill.uv), ends_at);
+  const SpreadRing spread(triangles_in_plane(context, fill), stacked(fill.rim_uv, fill.uv), ends_at);
   const PlanePoints inside_at = on_cylinder(ring.uv, inner);
   for (Index k = 0; k < inside_at.rows(); ++k) layout.uv.row(layout.rim + k) = spread.carried(inside_at.row(k));
-  smoothed_on(layout, *fill.patch, ground.mesh.vertices(fill.rim, Eigen::all));
-  return with_faces_of(ground, loops, ring, layout, 0, fill);
+  smoothed_on(layout, *fill.patch, context.mesh.vertices(fill.rim, Eigen::all));
+  return with_faces_of(context, loops, ring, layout, 0, fill);
 }
 
 }  // namespace
 
-Fill fill_around_islands(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options) {
+Fill fill_around_islands(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options) {
   std::optional<Fill> ring;
   std::string reason = "the hole has islands";
   if (options.islands.size() == 1 && options.through.empty()) {
     try {
-      ring = fill_ring(ground, rim, options, "the fill joins two boundaries");
+      ring = fill_ring(context, rim, options, "the fill joins two boundaries");
       reason = "the surrounding surface fits better than a ring between the two boundaries";
     } catch (const Refusal& refusal) {
       reason = std::string("no ring joins the two boundaries: ") + refusal.what();
@@ -271,12 +271,12 @@ Fill fill_around_islands(const Ground& ground, const std::vector<Index>& rim, co
   }
   std::optional<Fill> spline;
   try {
-    spline = fill_any_rim(ground, rim, std::vector<Index>(), options, reason);
+    spline = fill_any_rim(context, rim, std::vector<Index>(), options, reason);
   } catch (const Refusal&) {
     if (!ring) throw;
   }
   if (ring && (!spline || harm(ring->report) < harm(spline->report))) return std::move(*ring);
-  const double size = diameter(ground.mesh, rim);
+  const double size = diameter(context.mesh, rim);
   if (ring && harm(ring->report) == harm(spline->report) && !(expected_error(*spline, size) < expected_error(*ring, size)))
     return std::move(*ring);
   if (options.islands.size() > 1 && (!spline->patch || !is_harmless(spline->report)))
@@ -284,15 +284,15 @@ Fill fill_around_islands(const Ground& ground, const std::vector<Index>& rim, co
   if (ring && options.output == Output::quads) {
     const auto island = ring->rim.end() - static_cast<std::ptrdiff_t>(options.islands[0].size());
     if (std::optional<Fill> rows =
-            ring_on_surface(ground, {{ring->rim.begin(), island}, {island, ring->rim.end()}}, *ring, *spline))
+            ring_on_surface(context, {{ring->rim.begin(), island}, {island, ring->rim.end()}}, *ring, *spline))
       return std::move(*rows);
   }
   return std::move(*spline);
 }
 
-std::optional<Fill> rows_on_surface(const Ground& ground, const Fill& rows, const Fill& fill) {
+std::optional<Fill> rows_on_surface(const FillContext& context, const Fill& rows, const Fill& fill) {
   if (!fill.patch || fill.uv.rows() == 0 || !fill.feature_edges.empty()) return {};
-  PlaneLayout layout = layout_in_plane(ground, rows, fill);
+  PlaneLayout layout = layout_in_plane(context, rows, fill);
   for (Index k = 0; k < rows.vertices.rows(); ++k) {
     Index nearest = 0;
     (fill.vertices.rowwise() - rows.vertices.row(k)).rowwise().squaredNorm().minCoeff(&nearest);
@@ -304,31 +304,31 @@ std::optional<Fill> rows_on_surface(const Ground& ground, const Fill& rows, cons
     }
     layout.uv.row(layout.rim + k) = place;
   }
-  return with_faces_of(ground, {fill.rim}, rows, layout, min_sine, fill);
+  return with_faces_of(context, {fill.rim}, rows, layout, min_sine, fill);
 }
 
-Fill fill_flat(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options) {
-  const Connectivity nothing = without_faces(ground.mesh);
-  Fill fill = fill_with_spline(ground.mesh, ground.left, rim, {},
+Fill fill_flat(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options) {
+  const Connectivity nothing = without_faces(context.mesh);
+  Fill fill = fill_with_spline(context.mesh, context.left, rim, {},
                                {options.resolution, options.output == Output::quads, false, &nothing, options.through});
   fill.report.method_reason = "a flat wall is missing";
   fill.report.warnings = {{Code::flat_all_around}};
   return fill;
 }
 
-void close_if_flat(const Ground& ground, const FillOptions& options, Fill& fill) {
-  if (!is_flat_quadrilateral(ground.mesh.vertices(fill.rim, Eigen::all), fill.vertices)) return;
-  fill.faces = fill_flat(ground, fill.rim, options).faces;
+void close_if_flat(const FillContext& context, const FillOptions& options, Fill& fill) {
+  if (!is_flat_quadrilateral(context.mesh.vertices(fill.rim, Eigen::all), fill.vertices)) return;
+  fill.faces = fill_flat(context, fill.rim, options).faces;
   for (Points* each : {&fill.vertices, &fill.normals, &fill.barycentric}) each->resize(0, 3);
   fill.uv.resize(0, 2);
   fill.deviation.resize(0);
 }
 
-Fill fill_with_planes_of(const Ground& ground, const Fill& patch, const FillOptions& options, const std::string& reason) {
-  const Connectivity nothing = without_faces(ground.mesh);
+Fill fill_with_planes_of(const FillContext& context, const Fill& patch, const FillOptions& options, const std::string& reason) {
+  const Connectivity nothing = without_faces(context.mesh);
   SplineFillOptions own = {options.resolution, options.output == Output::quads, false, &nothing, options.through,
                            patch.rim_normals};
-  Fill fill = fill_with_spline(ground.mesh, ground.left, patch.rim, {}, own);
+  Fill fill = fill_with_spline(context.mesh, context.left, patch.rim, {}, own);
   fill.report.method_reason = reason;
   fill.report.corners = patch.report.corners;
   fill.report.surroundings_error = patch.report.surroundings_error;

@@ -32,12 +32,13 @@ namespace {
 const std::string round_of_revolution = "the hole is round, and its surroundings are of revolution";
 
 /// Whether the hole has lost a flat wall, and no sides are found which by themselves continue none of those that are left.
-bool lost_a_wall(const Ground& ground, const std::vector<Index>& rim, std::vector<Index> corners, const FillOptions& options) {
+bool missing_planar_face(const FillContext& context, const std::vector<Index>& rim, std::vector<Index> corners,
+                         const FillOptions& options) {
   if (is_shaped_by_hand(options) || !is_continuity_open(options)) return false;
-  if (!walls_end_at_flat_rim(ground.mesh, ground.left, rim, diameter(ground.mesh, rim))) return false;
-  if (corners.empty()) corners = at_places(rim, corners_between_sharp(ground.mesh, ground.left, rim));
+  if (!walls_end_at_flat_rim(context.mesh, context.left, rim, diameter(context.mesh, rim))) return false;
+  if (corners.empty()) corners = at_places(rim, corners_between_sharp(context.mesh, context.left, rim));
   if (corners.size() < 2 || corners.size() > static_cast<std::size_t>(max_sides)) return true;
-  const std::vector<double> angles = sharp_sides(ground.mesh, ground.left, rim, places_in(rim, corners));
+  const std::vector<double> angles = sharp_sides(context.mesh, context.left, rim, places_in(rim, corners));
   return !std::ranges::all_of(angles, [](double angle) { return angle > 0; });
 }
 
@@ -71,8 +72,8 @@ std::string smooth_sides_of(std::size_t count) {
 /// Finds the sides of a hole.
 class SideFinder {
 public:
-  SideFinder(const Ground& ground, const std::vector<Index>& rim, const Corners& given, const FillOptions& options)
-      : ground_(ground), loop_(rim), given_(given) {
+  SideFinder(const FillContext& context, const std::vector<Index>& rim, const Corners& given, const FillOptions& options)
+      : ground_(context), loop_(rim), given_(given) {
     out_.of_spline = given;
     out_.options = options;
   }
@@ -83,7 +84,7 @@ public:
     if (!options.islands.empty()) return none("the hole has islands");
     if (!given_) return detected();
     if (given_->empty()) return round_or("a round hole was requested, but its boundary is not smooth");
-    out_.is_flat = lost_a_wall(ground_, loop_, *given_, options);
+    out_.is_flat = missing_planar_face(ground_, loop_, *given_, options);
     if (out_.is_flat) options.continuity = SideContinuity::free;
     if (makes_polygon(*given_) || (given_->size() == 3 && !options.through.empty())) return polygon(*given_);
     if (given_->size() != 3) return none(std::to_string(given_->size()) + " corners are given");
@@ -99,7 +100,7 @@ private:
     check_finite(ground_.mesh, ground_.left, loop_);
     const std::vector<Index> corners = at_places(loop_, corners_between_sides(ground_.mesh, ground_.left, loop_));
     if (const std::string crease = crease_across(); !crease.empty()) return none(crease);
-    if (lost_a_wall(ground_, loop_, corners, out_.options)) {
+    if (missing_planar_face(ground_, loop_, corners, out_.options)) {
       out_.has_lost_wall = true;
       return none("a flat wall is missing");
     }
@@ -169,7 +170,7 @@ private:
     return std::move(out_);
   }
 
-  const Ground& ground_;
+  const FillContext& ground_;
   std::vector<Index> loop_;
   const Corners& given_;
   SidesFound out_;
@@ -179,11 +180,11 @@ private:
 
 /// Of one hole.
 struct FillProblem {
-  FillProblem(const Ground& g, const std::vector<Index>& given_rim, const Corners& given, const FillOptions& asked)
-      : ground(g), rim(given_rim), loop(check_topology(g.left, given_rim)), corners(given), options(asked) {}
+  FillProblem(const FillContext& g, const std::vector<Index>& given_rim, const Corners& given, const FillOptions& asked)
+      : context(g), rim(given_rim), loop(check_topology(g.left, given_rim)), corners(given), options(asked) {}
 
   const SidesFound& sides() {
-    if (!sides_) sides_ = SideFinder(ground, loop, corners, options).found();
+    if (!sides_) sides_ = SideFinder(context, loop, corners, options).found();
     return *sides_;
   }
   bool is_flat() const { return sides_ && sides_->is_flat; }
@@ -196,17 +197,17 @@ struct FillProblem {
     return begun ? begun->get() : spline_anew();
   }
 
-  const Ground& ground;
+  const FillContext& context;
   const std::vector<Index>& rim;
   const std::vector<Index> loop;  ///< checked
   const Corners& corners;         ///< as given
   const FillOptions& options;
-  const double size = diameter(ground.mesh, loop);
+  const double size = diameter(context.mesh, loop);
   bool is_of_revolution = false;     ///< the surroundings of a round rim
   std::optional<Fill> early_spline;  ///< if it was made before the patch
 
 private:
-  Fill spline_anew() const { return fill_any_rim(ground, rim, sides_->of_spline, sides_->options, {}); }
+  Fill spline_anew() const { return fill_any_rim(context, rim, sides_->of_spline, sides_->options, {}); }
 
   std::optional<SidesFound> sides_;
   std::unique_ptr<AsyncTask<Fill>> begun_;  // the last: it ends before what it reads
@@ -215,19 +216,19 @@ private:
 namespace {
 
 Quality judged(FillProblem& problem, const Fill& fill) {
-  const Ground& ground = problem.ground;
+  const FillContext& context = problem.context;
   const Report& report = fill.report;
   Quality quality;
   const Fill* const only = &fill;
-  quality.crosses = report.crosses_itself || (ground.keeps_clear && ground.passages_of({&only, 1}, problem.options)[0]);
+  quality.crosses = report.crosses_itself || (context.keeps_clear && context.passages_of({&only, 1}, problem.options)[0]);
   if (fill.faces.size() == 0) quality.folds = report.folds;  // was not laid out for that
   if (report.triangles_folded > 0) {
     const bool of_spline = report.method == spline_method;
-    const Index forced = of_spline ? report.rim_folded : folds_of_rim(ground.mesh, ground.left, {fill.rim});
+    const Index forced = of_spline ? report.rim_folded : folds_of_rim(context.mesh, context.left, {fill.rim});
     quality.folds = std::max<Index>(report.triangles_folded - forced, 0);
   }
   quality.folds = std::max<Index>(quality.folds, report.folds > 0 ? 1 : 0);
-  quality.leaves_hole = !is_shaped_by_hand(problem.options) && leaves_hole(ground.mesh, fill.rim, fill.vertices);
+  quality.exceeds_hole_bounds = !is_shaped_by_hand(problem.options) && exceeds_hole_bounds(context.mesh, fill.rim, fill.vertices);
   quality.expected_error = expected_error(fill, problem.size);
   quality.seam_deg = report.seam_angle_max;
   return quality;
@@ -249,12 +250,12 @@ std::string skip_rows(FillProblem& problem, const TriedFills&) {
   if (!as_they_come || !options.islands.empty() || !options.through.empty() || meets_position_only(options) ||
       options.cap != Cap::automatic)
     return "rows have no such options";
-  const bool among_quads = options.output != Output::triangles || is_among_quads(problem.ground.left, problem.loop);
+  const bool among_quads = options.output != Output::triangles || is_among_quads(problem.context.left, problem.loop);
   return among_quads ? "" : "the faces around the hole are not quads";
 }
 
 Fill make_rows(FillProblem& problem, const TriedFills&) {
-  std::optional<Fill> fill = fill_with_rows(problem.ground, problem.loop, problem.options.output, problem.options.features);
+  std::optional<Fill> fill = fill_with_rows(problem.context, problem.loop, problem.options.output, problem.options.features);
   if (!fill) throw CodedRefusal(Code::no_rows_of_quads, problem.loop);
   fill->report.method_reason = rows_reason;
   return std::move(*fill);
@@ -269,7 +270,7 @@ Fill new_spline(FillProblem& problem, const TriedFills& tried) {
   Fill fill = problem.spline();
   const std::optional<Fill>& rows = tried.front().fill;  // even quads, whatever their heights
   if (rows && problem.options.output == Output::quads)
-    if (std::optional<Fill> even = rows_on_surface(problem.ground, *rows, fill)) return std::move(*even);
+    if (std::optional<Fill> even = rows_on_surface(problem.context, *rows, fill)) return std::move(*even);
   return fill;
 }
 
@@ -287,15 +288,15 @@ void weigh(FillProblem& problem, const TriedFills& tried, double degrees) {
   if (is_valid(quality) && least >= quality.expected_error) throw LessAccurate{problem.early_spline->report.method};
 }
 
-void check_sides(const Ground& ground, const std::vector<Index>& rim, std::span<const Index> corners) {
-  if (zigzag(ground.mesh, rim, corners) > smooth_sides) throw CodedRefusal(Code::sides_zigzag, rim);
+void check_sides(const FillContext& context, const std::vector<Index>& rim, std::span<const Index> corners) {
+  if (zigzag(context.mesh, rim, corners) > smooth_sides) throw CodedRefusal(Code::sides_zigzag, rim);
 }
 
 Fill make_triangle(FillProblem& problem, const PlanesEstimated& estimated) {
   const SidesFound& sides = problem.sides();
   check_counts(sides.options, 3);
-  check_sides(problem.ground, sides.hole.rim, sides.hole.corners);
-  return fill_with_patch(problem.ground, sides.hole, sides.options, estimated);
+  check_sides(problem.context, sides.hole.rim, sides.hole.corners);
+  return fill_with_patch(problem.context, sides.hole, sides.options, estimated);
 }
 
 bool is_beside_sharp(const Fill& patch) { return std::ranges::count(patch.report.continuity, SeamContinuity::free) > 0; }
@@ -311,11 +312,11 @@ Fill make_polygon(FillProblem& problem, bool laid_out, const PlanesEstimated& es
   FillOptions options = sides.options;
   options.cross_boundary = CrossBoundary::consistent;  // of three sides
   check_counts(options, sides.corners.size());
-  const CorneredRim found = cornered(problem.ground, problem.rim, sides.corners);
-  check_sides(problem.ground, found.rim, found.places);
+  const CorneredRim found = cornered(problem.context, problem.rim, sides.corners);
+  check_sides(problem.context, found.rim, found.places);
   if (!wants_patch(problem)) problem.begin_spline();
-  Fill fill = unless_given_up(problem, fill_with_polygon(problem.ground.mesh, problem.ground.left, found.rim, found.places,
-                                                         options, laid_out, problem.ground.planes, estimated));
+  Fill fill = unless_given_up(problem, fill_with_polygon(problem.context.mesh, problem.context.left, found.rim, found.places,
+                                                         options, laid_out, problem.context.planes, estimated));
   if (sides.corners.size() == 2 && is_beside_sharp(fill) && !wants_patch(problem))
     throw CodedRefusal(Code::two_sides_tell_less, problem.loop);
   return fill;
@@ -326,9 +327,9 @@ Fill make_disc(FillProblem& problem, const SideContinuity* continuity, const Pla
   options.cross_boundary = CrossBoundary::consistent;  // of three sides
   if (continuity) options.continuity = *continuity;
   check_counts(options, 1);
-  check_positions(problem.ground.mesh, problem.ground.left, problem.loop);
+  check_positions(problem.context.mesh, problem.context.left, problem.loop);
   PolygonFill made =
-      fill_round(problem.ground.mesh, problem.ground.left, problem.loop, options, false, problem.ground.planes, estimated);
+      fill_round(problem.context.mesh, problem.context.left, problem.loop, options, false, problem.context.planes, estimated);
   problem.is_of_revolution = made.of_revolution;
   return unless_given_up(problem, std::move(made));
 }
@@ -348,7 +349,7 @@ Fill make_patch(FillProblem& problem, const TriedFills& tried) {
 /// too, a flat one.
 std::string skip_lower_cap(FillProblem& problem, const TriedFills& tried) {
   if (!problem.is_of_revolution) return "the surroundings are not of revolution";
-  const bool leaves = patch_in(tried).row.quality.leaves_hole && is_continuity_open(problem.sides().options);
+  const bool leaves = patch_in(tried).row.quality.exceeds_hole_bounds && is_continuity_open(problem.sides().options);
   return leaves ? "" : "the cap follows the curvature of its surroundings";
 }
 
@@ -369,7 +370,7 @@ std::string skip_lid(FillProblem& problem, const TriedFills&) {
 
 Fill make_lid(FillProblem& problem, const TriedFills&) {
   const SidesFound& sides = problem.sides();
-  Fill fill = fill_flat(problem.ground, problem.loop, sides.options);
+  Fill fill = fill_flat(problem.context, problem.loop, sides.options);
   fill.report.method_reason = sides.reason;
   if (problem.options.cap == Cap::flat) fill.report.warnings.clear();
   return fill;
@@ -386,7 +387,7 @@ std::string why_spline(FillProblem& problem, const TriedFills& tried) {
   if (patch.status == CandidateStatus::refused) return "no patch fits " + between + ": " + patch.why;
   if (patch.quality.crosses) return "a patch " + between + " would cross itself";
   if (patch.quality.folds > 0) return "a patch " + between + " would fold";
-  if (patch.quality.leaves_hole) return "a patch " + between + " would leave the hole";
+  if (patch.quality.exceeds_hole_bounds) return "a patch " + between + " would leave the hole";
   return "the whole surrounding surface says more than " +
          (sides.domain == Domain::disc ? "the round boundary" : "its " + std::to_string(count) + " sides");
 }
@@ -416,7 +417,7 @@ std::string skip_spline_with_planes(FillProblem& problem, const TriedFills& trie
 }
 
 Fill make_spline_with_planes(FillProblem& problem, const TriedFills& tried) {
-  return fill_with_planes_of(problem.ground, *patch_in(tried).fill, problem.sides().options, why_spline(problem, tried));
+  return fill_with_planes_of(problem.context, *patch_in(tried).fill, problem.sides().options, why_spline(problem, tried));
 }
 
 std::string skip_folded(FillProblem&, const TriedFills& tried) {
@@ -434,12 +435,12 @@ Fill make_folded(FillProblem& problem, const TriedFills&) {
 
 std::string skip_flat(FillProblem& problem, const TriedFills& tried) {
   const Tried* const best = best_of(tried);
-  const bool passes = problem.ground.keeps_clear && best && best->row.quality.crosses;
+  const bool passes = problem.context.keeps_clear && best && best->row.quality.crosses;
   return passes && is_continuity_open(problem.options) ? "" : "another fill does not pass through the mesh";
 }
 
 Fill make_flat(FillProblem& problem, const TriedFills&) {
-  Fill fill = fill_flat(problem.ground, problem.loop, problem.sides().options);
+  Fill fill = fill_flat(problem.context, problem.loop, problem.sides().options);
   fill.report.method_reason = "what is tangent to the mesh passes through it";
   return fill;
 }
@@ -457,9 +458,9 @@ constexpr std::array strategies = {
 };
 
 /// The edges of the rim at which a fill meets the mesh at an angle.
-std::vector<std::array<Index, 2>> sharp_rim_edges(const Ground& ground, const Fill& fill) {
-  const Index n = ground.mesh.vertices.rows();
-  const auto at = [&](Index v) -> Vec3 { return v < n ? Vec3(ground.mesh.vertices.row(v)) : Vec3(fill.vertices.row(v - n)); };
+std::vector<std::array<Index, 2>> sharp_rim_edges(const FillContext& context, const Fill& fill) {
+  const Index n = context.mesh.vertices.rows();
+  const auto at = [&](Index v) -> Vec3 { return v < n ? Vec3(context.mesh.vertices.row(v)) : Vec3(fill.vertices.row(v - n)); };
   std::vector<std::array<Index, 2>> edges;
   for (Index f = 0; f < fill.faces.size(); ++f) {
     const std::span<const Index> face = fill.faces[f];
@@ -467,8 +468,8 @@ std::vector<std::array<Index, 2>> sharp_rim_edges(const Ground& ground, const Fi
     for (std::size_t k = 2; k < face.size(); ++k) area += (at(face[k - 1]) - at(face[0])).cross(at(face[k]) - at(face[0]));
     for (std::size_t k = 0; k < face.size(); ++k) {
       const Index a = face[k], b = face[(k + 1) % face.size()];
-      const auto beyond = a < n && b < n ? ground.left.edge(b, a) : std::nullopt;
-      if (beyond && angle_between(area, area_vector(ground.mesh, ground.left.face(*beyond))) > min_crease_angle)
+      const auto beyond = a < n && b < n ? context.left.edge(b, a) : std::nullopt;
+      if (beyond && angle_between(area, area_vector(context.mesh, context.left.face(*beyond))) > min_crease_angle)
         edges.push_back({a, b});
     }
   }
@@ -476,22 +477,22 @@ std::vector<std::array<Index, 2>> sharp_rim_edges(const Ground& ground, const Fi
 }
 
 /// Whether nobody has asked for anything but that a wall that is lost comes back.
-bool is_lid(const Ground& ground, const Fill& fill, const FillOptions& options) {
+bool is_lid(const FillContext& context, const Fill& fill, const FillOptions& options) {
   if (options.cap != Cap::automatic || !options.islands.empty()) return options.cap == Cap::flat;
   return is_continuity_open(options) &&
-         walls_end_at_flat_rim(ground.mesh, ground.left, fill.rim, diameter(ground.mesh, fill.rim));
+         walls_end_at_flat_rim(context.mesh, context.left, fill.rim, diameter(context.mesh, fill.rim));
 }
 
 }  // namespace
 
-Fill fill_as_the_rim_asks(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
+Fill fill_as_the_rim_asks(const FillContext& context, const std::vector<Index>& rim, const Corners& corners,
                           const FillOptions& options) {
-  if (!options.islands.empty()) return fill_around_islands(ground, rim, options);
-  FillProblem problem(ground, rim, corners, options);
+  if (!options.islands.empty()) return fill_around_islands(context, rim, options);
+  FillProblem problem(context, rim, corners, options);
   Fill fill = selected(try_all(problem, strategies, problem.size, judged));
   if (problem.is_flat()) fill.report.warnings.push_back({Code::flat_all_around});
-  if (!is_lid(ground, fill, options)) return fill;
-  const std::vector<std::array<Index, 2>> edges = sharp_rim_edges(ground, fill);
+  if (!is_lid(context, fill, options)) return fill;
+  const std::vector<std::array<Index, 2>> edges = sharp_rim_edges(context, fill);
   fill.feature_edges.insert(fill.feature_edges.end(), edges.begin(), edges.end());
   return fill;
 }

@@ -75,10 +75,10 @@ bool is_named(const FillOptions& options) { return options.method != automatic_m
 enum class OnMeshWhere { nowhere, likelier, run_off, everywhere, untangled };
 
 /// Puts the vertices of a cage where rows of quads continue, if they do; whether they do.
-bool place_in_rows(const Ground& ground, const SidedRim& hole, const FillOptions& options, CageFill& cage) {
+bool place_in_rows(const FillContext& context, const SidedRim& hole, const FillOptions& options, CageFill& cage) {
   if (hole.given || options.cage_rim != CageRim::smooth || options.subdivision.loop || options.resolution.value_or(0) > 0)
     return false;
-  const std::optional<Points> points = cage_in_rows(ground, cage.laid_out(0), options.replaced);
+  const std::optional<Points> points = cage_in_rows(context, cage.laid_out(0), options.replaced);
   if (points) cage.place(*points);
   return points.has_value();
 }
@@ -100,12 +100,12 @@ std::optional<double> runs_off(const Points& inside, const OnMesh& on_mesh, doub
 }
 
 /// Tells of a cage by a method that was asked for, which nothing keeps near to where the mesh around would continue.
-void tell_run_off(const Ground& ground, const SidedRim& hole, const CageHole& laid_out, const Points& inside,
+void tell_run_off(const FillContext& context, const SidedRim& hole, const CageHole& laid_out, const Points& inside,
                   const FillOptions& options, Report& report) {
   if (inside.rows() == 0 || options.subdivision.loop) return;
-  const std::optional<OnMesh> on_mesh = cage_on_mesh(ground, hole, laid_out, options, Smoothed::no);
+  const std::optional<OnMesh> on_mesh = cage_on_mesh(context, hole, laid_out, options, Smoothed::no);
   if (!on_mesh) return;
-  const std::optional<double> off = runs_off(inside, *on_mesh, diameter(ground.mesh, hole.rim), run_off);
+  const std::optional<double> off = runs_off(inside, *on_mesh, diameter(context.mesh, hole.rim), run_off);
   if (!off) return;
   report.warnings.push_back({Code::cage_runs_off, {{"method", report.method}, {"distance", *off}}});
 }
@@ -114,7 +114,8 @@ void tell_run_off(const Ground& ground, const SidedRim& hole, const CageHole& la
 enum class Placing { placed, stays, nowhere };
 
 /// Puts the vertices of a cage, if it is one of those, where the mesh around would continue.
-Placing place_on_mesh(const Ground& ground, const SidedRim& hole, const FillOptions& options, OnMeshWhere where, CageFill& cage) {
+Placing place_on_mesh(const FillContext& context, const SidedRim& hole, const FillOptions& options, OnMeshWhere where,
+                      CageFill& cage) {
   if (where == OnMeshWhere::nowhere) return Placing::stays;
   if (options.cage_rim != CageRim::smooth || options.subdivision.loop || options.resolution.value_or(0) > 0)
     return Placing::nowhere;
@@ -123,9 +124,9 @@ Placing place_on_mesh(const Ground& ground, const SidedRim& hole, const FillOpti
   const Smoothed smoothed = where == OnMeshWhere::untangled  ? Smoothed::in_plane
                             : where == OnMeshWhere::likelier ? Smoothed::on_surface
                                                              : Smoothed::no;
-  const std::optional<OnMesh> on_mesh = cage_on_mesh(ground, hole, cage.laid_out(0), options, smoothed);
+  const std::optional<OnMesh> on_mesh = cage_on_mesh(context, hole, cage.laid_out(0), options, smoothed);
   if (!on_mesh) return Placing::nowhere;
-  const double size = diameter(ground.mesh, hole.rim);
+  const double size = diameter(context.mesh, hole.rim);
   if (where == OnMeshWhere::likelier && !(on_mesh->deviation > well_known * size)) return Placing::stays;
   const bool goes_on = !hole.guessed || cage.laid_out(0).layout.grown;
   if (where == OnMeshWhere::run_off && !runs_off(inside, *on_mesh, size, goes_on ? run_off : run_off_of_guess))
@@ -170,13 +171,13 @@ constexpr Harm max_harm = {true, std::numeric_limits<Index>::max()};
 class TriedCages {
 public:
   /// seen: where one without harm is wanted.
-  TriedCages(const Ground& ground, std::vector<SidedRim> holes, FillOptions options, OnMeshWhere on_mesh, SeenWays* seen)
-      : ground_(ground),
+  TriedCages(const FillContext& context, std::vector<SidedRim> holes, FillOptions options, OnMeshWhere on_mesh, SeenWays* seen)
+      : ground_(context),
         holes_(std::move(holes)),
         options_(std::move(options)),
         no_harm_wanted_(seen != nullptr),
         named_(is_named(options_)),
-        cages_(ground.mesh, ground.left, holes_, options_.subdivision, options_.replaced, layout_options(options_),
+        cages_(context.mesh, context.left, holes_, options_.subdivision, options_.replaced, layout_options(options_),
                cage_options(options_)),
         fills_(holes_.size()) {
     // The border of an open cage, to which an exact rim holds, is flat across and round at corners: a patch that is made fair bends
@@ -323,7 +324,7 @@ private:
     }
   }
 
-  const Ground& ground_;
+  const FillContext& ground_;
   const std::vector<SidedRim> holes_;
   const FillOptions options_;
   const bool no_harm_wanted_, named_;
@@ -339,47 +340,47 @@ private:
 
 using TriedOnes = std::unique_ptr<TriedCages>;
 
-TriedOnes try_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options, SeenWays* seen,
+TriedOnes try_cages(const FillContext& context, const std::vector<SidedRim>& holes, const FillOptions& options, SeenWays* seen,
                     OnMeshWhere on_mesh = OnMeshWhere::run_off);
 
 /// A vertex on an edge of an odd rim leaves the face next to it an n-gon, whose limit goes no way along a strip as that of its neighbors
 /// does: next to long strips the rim's limit is a zigzag there. A triangle in the middle leaves the rim as it is.
-TriedOnes with_triangle_if_that_folds_less(const Ground& ground, TriedOnes tried, SeenWays* seen) {
+TriedOnes with_triangle_if_that_folds_less(const FillContext& context, TriedOnes tried, SeenWays* seen) {
   const std::vector<SidedRim>& holes = tried->holes();
   if (tried->options().odd != Odd::split || holes[0].rim.size() % 2 == 0) return tried;
   const Harm before = tried->harm_and_folds();
-  if (before == Harm(false, 0) || !may_fold_by_splitting(ground, holes[0])) return tried;
+  if (before == Harm(false, 0) || !may_fold_by_splitting(context, holes[0])) return tried;
   FillOptions triangle = tried->options();
   triangle.odd = Odd::triangle;
-  TriedOnes other = try_cages(ground, holes, triangle, seen);
+  TriedOnes other = try_cages(context, holes, triangle, seen);
   if (other->harm_and_folds() >= before) return tried;
   other->warn({before.first ? Code::split_edge_would_cross : Code::split_edge_would_fold});
   return other;
 }
 
 /// Rows that a tolerance has asked for may turn quads over where there is no room for them.
-TriedOnes without_rows_if_that_folds_less(const Ground& ground, TriedOnes tried, FillOptions options, SeenWays* seen) {
+TriedOnes without_rows_if_that_folds_less(const FillContext& context, TriedOnes tried, FillOptions options, SeenWays* seen) {
   if (options.resolution || tried->rows() == 0 || tried->is_harmless()) return tried;
   options.resolution = 0;
-  TriedOnes other = try_cages(ground, tried->holes(), options, seen);
+  TriedOnes other = try_cages(context, tried->holes(), options, seen);
   if (other->harm() >= tried->harm()) return tried;
   other->warn({Code::rows_would_cross});
   return other;
 }
 
 /// Of a hole that is alone other ways are tried where one does harm.
-TriedOnes try_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options, SeenWays* seen,
+TriedOnes try_cages(const FillContext& context, const std::vector<SidedRim>& holes, const FillOptions& options, SeenWays* seen,
                     OnMeshWhere on_mesh) {
-  TriedOnes tried = std::make_unique<TriedCages>(ground, holes, options, on_mesh, seen);
+  TriedOnes tried = std::make_unique<TriedCages>(context, holes, options, on_mesh, seen);
   if (holes.size() != 1 || on_mesh == OnMeshWhere::everywhere || on_mesh == OnMeshWhere::untangled) return tried;
   const bool placed = tried->is_placed(), has_other_place = tried->has_other_place(), of_many = tried->is_one_of_many();
-  if (on_mesh != OnMeshWhere::nowhere) tried = with_triangle_if_that_folds_less(ground, std::move(tried), seen);
-  tried = without_rows_if_that_folds_less(ground, std::move(tried), options, seen);
+  if (on_mesh != OnMeshWhere::nowhere) tried = with_triangle_if_that_folds_less(context, std::move(tried), seen);
+  tried = without_rows_if_that_folds_less(context, std::move(tried), options, seen);
   if (on_mesh == OnMeshWhere::nowhere || (!placed && !has_other_place) || tried->is_harmless()) return tried;
   // its vertices elsewhere, where the mesh around would continue or as the fairest one's
   const bool too_many = of_many && tried->faces().vertices.rows() > max_fair;
   const OnMeshWhere elsewhere = too_many ? OnMeshWhere::untangled : placed ? OnMeshWhere::nowhere : OnMeshWhere::everywhere;
-  TriedOnes other = try_cages(ground, holes, options, seen, elsewhere);
+  TriedOnes other = try_cages(context, holes, options, seen, elsewhere);
   return other->harm() < tried->harm() ? std::move(other) : std::move(tried);
 }
 
@@ -405,14 +406,14 @@ constexpr double no_turn = -4 * std::numbers::pi;
 /// Four vertices of a rim that shows no corners, as Grid Fill takes them: as many edges between opposite ones, or one more, where the rim
 /// turns most at them. As few as possible have one face only, about which the limit of the open cage has no tangent plane. None of fewer than
 /// four edges.
-std::vector<Index> four_of(const Ground& ground, std::vector<Index> loop) {
+std::vector<Index> four_of(const FillContext& context, std::vector<Index> loop) {
   const std::size_t n = loop.size();
   if (n < 4) return {};
   std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
-  const auto at = [&](std::size_t k) -> Vec3 { return ground.mesh.vertices.row(loop[k % n]); };
+  const auto at = [&](std::size_t k) -> Vec3 { return context.mesh.vertices.row(loop[k % n]); };
   std::vector<double> turn(n);
   for (std::size_t k = 0; k < n; ++k)
-    turn[k] = ground.left.at(loop[k]).size() < 2 ? no_turn : angle_between(at(k) - at(k + n - 1), at(k + 1) - at(k));
+    turn[k] = context.left.at(loop[k]).size() < 2 ? no_turn : angle_between(at(k) - at(k + n - 1), at(k + 1) - at(k));
   const std::array<std::size_t, 4> steps = {0, (n + 2) / 4, n / 2, n / 2 + (n + 2) / 4};
   std::optional<std::size_t> best;
   double most = -INFINITY;
@@ -427,10 +428,10 @@ std::vector<Index> four_of(const Ground& ground, std::vector<Index> loop) {
   return corners;
 }
 
-std::optional<SidedRim> guessed_rim(const Ground& ground, const std::vector<Index>& loop) {
-  const std::vector<Index> guess = four_of(ground, loop);
+std::optional<SidedRim> guessed_rim(const FillContext& context, const std::vector<Index>& loop) {
+  const std::vector<Index> guess = four_of(context, loop);
   if (guess.empty()) return {};
-  CorneredRim found = cornered(ground, loop, guess);
+  CorneredRim found = cornered(context, loop, guess);
   SidedRim result;
   result.rim = std::move(found.rim);
   result.corners = std::move(found.places);
@@ -439,19 +440,19 @@ std::optional<SidedRim> guessed_rim(const Ground& ground, const std::vector<Inde
 }
 
 /// Edges of a fill that the mesh has already would have four faces.
-void refuse_if_doubled(const Ground& ground, const SidedRim& hole, const Fill& fill) {
-  if (!doubles_edges_of_mesh(ground.left, hole.rim, fill.faces)) return;
+void refuse_if_doubled(const FillContext& context, const SidedRim& hole, const Fill& fill) {
+  if (!doubles_edges_of_mesh(context.left, hole.rim, fill.faces)) return;
   throw Harmful(Code::cage_doubles_edge, at_places(hole.rim, hole.corners));
 }
 
 /// A cage without harm between four guessed corners, or of quads that grow in from the rim.
-std::optional<Fill> harmless_without_corners(const Ground& ground, const SidedRim& hole, const FillOptions& options,
+std::optional<Fill> harmless_without_corners(const FillContext& context, const SidedRim& hole, const FillOptions& options,
                                              SeenWays& seen) {
-  std::optional<SidedRim> guess = hole.guessed ? hole : guessed_rim(ground, hole.rim);
+  std::optional<SidedRim> guess = hole.guessed ? hole : guessed_rim(context, hole.rim);
   for (const bool by_angle : {false, true}) {
     if (!guess || (hole.guessed && !by_angle)) continue;
     guess->by_angle = by_angle;
-    const TriedOnes other = try_cages(ground, {*guess}, options, &seen);
+    const TriedOnes other = try_cages(context, {*guess}, options, &seen);
     if (!other->is_harmless()) continue;
     Fill fill = std::move(other->fills()[0]);
     if (is_finite(fill)) return fill;
@@ -461,16 +462,16 @@ std::optional<Fill> harmless_without_corners(const Ground& ground, const SidedRi
 
 }  // namespace
 
-bool may_fold_by_splitting(const Ground& ground, const SidedRim& hole) {
-  const Points vertices = ground.mesh.vertices(hole.rim, Eigen::all);
+bool may_fold_by_splitting(const FillContext& context, const SidedRim& hole) {
+  const Points vertices = context.mesh.vertices(hole.rim, Eigen::all);
   const Index n = vertices.rows();
   if (n == 3) return true;
   for (Index k = 0; k < n; ++k) {
     const double edge =
         std::min((vertices.row(k) - vertices.row((k + 1) % n)).norm(), (vertices.row(k) - vertices.row((k + n - 1) % n)).norm());
-    for (const Connectivity::Corner c : ground.left.at(hole.rim[k]))
-      for (Index v : ground.mesh.faces[ground.left.face(c)])
-        if ((ground.mesh.vertices.row(v) - vertices.row(k)).norm() > strip * edge) return true;
+    for (const Connectivity::Corner c : context.left.at(hole.rim[k]))
+      for (Index v : context.mesh.faces[context.left.face(c)])
+        if ((context.mesh.vertices.row(v) - vertices.row(k)).norm() > strip * edge) return true;
   }
   return false;
 }
@@ -478,17 +479,17 @@ bool may_fold_by_splitting(const Ground& ground, const SidedRim& hole) {
 namespace {
 
 /// With as many extra rows of quads as are asked for.
-std::vector<Fill> with_these_rows(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
+std::vector<Fill> with_these_rows(const FillContext& context, const std::vector<SidedRim>& holes, const FillOptions& options) {
   const SidedRim& first = holes[0];
   const bool alone = holes.size() == 1;
   SeenWays seen;
-  const TriedOnes tried = try_cages(ground, holes, options, alone && first.guessed ? &seen : nullptr);
+  const TriedOnes tried = try_cages(context, holes, options, alone && first.guessed ? &seen : nullptr);
   if (alone && !first.given && !tried->is_harmless()) {
     const Fill faces = tried->faces();
     refuse_infinite(faces, first.rim);
-    refuse_if_doubled(ground, first, faces);
+    refuse_if_doubled(context, first, faces);
     std::optional<Fill> other;
-    if (!is_named(options)) other = harmless_without_corners(ground, first, options, seen);
+    if (!is_named(options)) other = harmless_without_corners(context, first, options, seen);
     if (other) return {std::move(*other)};
     refuse_if_harmful(first, tried->crosses_itself(), true);
   }
@@ -496,23 +497,23 @@ std::vector<Fill> with_these_rows(const Ground& ground, const std::vector<SidedR
   for (std::size_t h = 0; h < holes.size(); ++h) {
     const Report& report = fills[h].report;
     refuse_infinite(fills[h], holes[h].rim);
-    refuse_if_doubled(ground, holes[h], fills[h]);
+    refuse_if_doubled(context, holes[h], fills[h]);
     refuse_if_harmful(holes[h], report.crosses_itself, report.folds > 0 || report.triangles_folded > 0);
   }
   return fills;
 }
 
 /// The same, or fewer where that does less harm.
-std::vector<Fill> with_rows_or_fewer(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
+std::vector<Fill> with_rows_or_fewer(const FillContext& context, const std::vector<SidedRim>& holes, const FillOptions& options) {
   const int wanted = options.resolution.value_or(0);
-  if (wanted == 0 || holes.size() > 1) return with_these_rows(ground, holes, options);
+  if (wanted == 0 || holes.size() > 1) return with_these_rows(context, holes, options);
   FillOptions fewer = options;
   std::optional<Fill> best;
   int most = 0;
   for (int rows = wanted; !best || harm(best->report) != Harm(false, 0); rows /= 2) {
     fewer.resolution = rows;
     try {
-      Fill fill = std::move(with_these_rows(ground, holes, fewer)[0]);
+      Fill fill = std::move(with_these_rows(context, holes, fewer)[0]);
       if (!best || harm(fill.report) < harm(best->report)) best = std::move(fill), most = rows;
     } catch (const Harmful&) {
       if (rows == 0 && !best) throw;
@@ -540,38 +541,39 @@ void tell_not_shaped(const FillOptions& options, Report& report) {
 
 }  // namespace
 
-std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options) {
+std::vector<Fill> fill_with_cages(const FillContext& context, const std::vector<SidedRim>& holes, const FillOptions& options) {
   const bool guessed = std::ranges::all_of(holes, [](const SidedRim& hole) { return hole.guessed; });
-  std::vector<Fill> fills = with_rows_or_fewer(ground, holes, guessed ? without_shape(options) : options);
+  std::vector<Fill> fills = with_rows_or_fewer(context, holes, guessed ? without_shape(options) : options);
   for (Fill& fill : fills)
     if (guessed) tell_not_shaped(options, fill.report);
-  for (const Fill& fill : fills) refuse_if_insisted(ground, fill, options);
+  for (const Fill& fill : fills) refuse_if_insisted(context, fill, options);
   return fills;
 }
 
 namespace {
 
 /// A group of cages, or where one of them stands in the way of the others each by itself.
-std::vector<std::variant<Fill, Refused>> fill_group(const Ground& ground, const std::vector<SidedRim>& group,
+std::vector<std::variant<Fill, Refused>> fill_group(const FillContext& context, const std::vector<SidedRim>& group,
                                                     const FillOptions& options) {
   const Stopwatch watch;
   std::vector<std::variant<Fill, Refused>> results;
   try {
-    for (Fill& fill : fill_with_cages(ground, group, options)) {
+    for (Fill& fill : fill_with_cages(context, group, options)) {
       fill.report.seconds = watch.seconds() / static_cast<double>(group.size());
       results.emplace_back(std::move(fill));
     }
   } catch (const CodedRefusal& refusal) {
     if (group.size() == 1) return {refused(refusal)};
-    for (const SidedRim& hole : group) results.push_back(std::move(fill_group(ground, {hole}, options)[0]));
+    for (const SidedRim& hole : group) results.push_back(std::move(fill_group(context, {hole}, options)[0]));
   }
   return results;
 }
 
 }  // namespace
 
-void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<SidedRim>>& given, const FillOptions& options,
-                         std::vector<std::variant<Fill, Refused>>& results, const Progress& progress) {
+void fill_all_with_cages(const FillContext& context, const std::vector<std::optional<SidedRim>>& given,
+                         const FillOptions& options, std::vector<std::variant<Fill, Refused>>& results,
+                         const Progress& progress) {
   std::vector<SidedRim> holes;
   std::vector<std::size_t> place;  // of each hole in the results
   for (std::size_t k = 0; k < given.size(); ++k) {
@@ -579,12 +581,12 @@ void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<S
     holes.push_back(*given[k]);
     place.push_back(k);
   }
-  const std::vector<std::vector<std::size_t>> groups = cage_groups(ground.left, holes);
+  const std::vector<std::vector<std::size_t>> groups = cage_groups(context.left, holes);
   std::atomic<std::size_t> done = given.size() - holes.size();
   const auto fill_one_group = [&](std::size_t g) {
     std::vector<SidedRim> together;
     for (std::size_t h : groups[g]) together.push_back(holes[h]);
-    std::vector<std::variant<Fill, Refused>> made = fill_group(ground, together, options);
+    std::vector<std::variant<Fill, Refused>> made = fill_group(context, together, options);
     for (std::size_t k = 0; k < made.size(); ++k) results[place[groups[g][k]]] = std::move(made[k]);
     done += made.size();
   };
@@ -596,10 +598,10 @@ void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<S
 namespace {
 
 /// Corners that are given or seen, else guessed ones.
-SidedRim cornered_rim_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
+SidedRim cornered_rim_of(const FillContext& context, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
   if (corners && !corners->empty()) {
-    if (!makes_polygon(*corners)) return hole_of(ground, rim, corners);
-    CorneredRim found = cornered(ground, rim ? *rim : loop_through(ground, *corners), *corners);
+    if (!makes_polygon(*corners)) return hole_of(context, rim, corners);
+    CorneredRim found = cornered(context, rim ? *rim : loop_through(context, *corners), *corners);
     SidedRim result;
     result.rim = std::move(found.rim);
     result.corners = std::move(found.places);
@@ -608,33 +610,33 @@ SidedRim cornered_rim_of(const Ground& ground, const std::optional<std::vector<I
   CodedRefusal none(Code::cage_needs_corners);
   if (!corners) {
     try {
-      return hole_of(ground, rim, corners);
+      return hole_of(context, rim, corners);
     } catch (const CodedRefusal& refusal) {
       none = refusal;
     }
   }
-  const std::vector<Index> loop = check_topology(ground.left, rim ? *rim : only_hole(ground));
-  check_finite(ground.mesh, ground.left, loop);
+  const std::vector<Index> loop = check_topology(context.left, rim ? *rim : only_hole(context));
+  check_finite(context.mesh, context.left, loop);
   if (!corners) {
-    std::vector<Index> places = corners_by_valence(ground.mesh, ground.left, loop);
-    if (places.empty()) places = corners_between_sides(ground.mesh, ground.left, loop);
+    std::vector<Index> places = corners_by_valence(context.mesh, context.left, loop);
+    if (places.empty()) places = corners_between_sides(context.mesh, context.left, loop);
     const std::vector<Index> seen = at_places(loop, places);
-    if (makes_polygon(seen)) return cornered_rim_of(ground, loop, seen);
+    if (makes_polygon(seen)) return cornered_rim_of(context, loop, seen);
   }
-  const std::optional<SidedRim> guess = guessed_rim(ground, loop);
+  const std::optional<SidedRim> guess = guessed_rim(context, loop);
   if (!guess) throw none;
   return *guess;
 }
 
 }  // namespace
 
-SidedRim cage_rim_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
-  SidedRim found = cornered_rim_of(ground, rim, corners);
+SidedRim cage_rim_of(const FillContext& context, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
+  SidedRim found = cornered_rim_of(context, rim, corners);
   found.given = corners && !corners->empty();
-  if (found.given || found.guessed || !grows_on(found, ground.mesh.vertices, ground.left)) return found;
-  const std::vector<Index> by_valence = at_places(found.rim, corners_by_valence(ground.mesh, ground.left, found.rim));
-  if (!by_valence.empty()) return cornered_rim_of(ground, found.rim, by_valence);
-  return guessed_rim(ground, found.rim).value_or(found);
+  if (found.given || found.guessed || !grows_on(found, context.mesh.vertices, context.left)) return found;
+  const std::vector<Index> by_valence = at_places(found.rim, corners_by_valence(context.mesh, context.left, found.rim));
+  if (!by_valence.empty()) return cornered_rim_of(context, found.rim, by_valence);
+  return guessed_rim(context, found.rim).value_or(found);
 }
 
 }  // namespace tripatch

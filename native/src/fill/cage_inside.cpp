@@ -24,12 +24,12 @@ namespace {
 constexpr int sweeps = 20;
 
 /// The fill of triangles, if it follows its surroundings without any reservation, but that it leaves out what meets it at an angle.
-std::optional<Fill> followed(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options) {
+std::optional<Fill> followed(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options) {
   FillOptions triangles;
   triangles.features = options.features;
   triangles.replaced = options.replaced;
   try {
-    Fill fill = fill_any_rim(ground, rim, {}, triangles, "");
+    Fill fill = fill_any_rim(context, rim, {}, triangles, "");
     const auto& warnings = fill.report.warnings;
     const auto reservations = std::ranges::count_if(warnings, [](const Message& each) { return each.code != Code::sharp_sides; });
     if (reservations == 0 && dynamic_cast<const PlanePatch*>(fill.patch.get())) return fill;
@@ -77,13 +77,13 @@ std::optional<Points> as_laid_out(const Fill& block, const CageHole& laid_out) {
 }
 
 /// Whether a surface around the rows is expected to be more accurate.
-bool surface_tells_more(const Ground& ground, const Fill& rows, const std::vector<Index>& replaced) {
-  const double size = diameter(ground.mesh, rows.rim), error = expected_error(rows, size);
+bool surface_tells_more(const FillContext& context, const Fill& rows, const std::vector<Index>& replaced) {
+  const double size = diameter(context.mesh, rows.rim), error = expected_error(rows, size);
   if (is_negligible(error, size)) return false;
   try {
     FillOptions triangles;
     triangles.replaced = replaced;
-    const Fill surface = fill_any_rim(ground, rows.rim, {}, triangles, "");
+    const Fill surface = fill_any_rim(context, rows.rim, {}, triangles, "");
     return is_harmless(surface.report) && expected_error(surface, size) < error;
   } catch (const CodedRefusal&) {
     return false;
@@ -92,9 +92,9 @@ bool surface_tells_more(const Ground& ground, const Fill& rows, const std::vecto
 
 }  // namespace
 
-std::optional<OnMesh> cage_on_mesh(const Ground& ground, const SidedRim& hole, const CageHole& laid_out,
+std::optional<OnMesh> cage_on_mesh(const FillContext& context, const SidedRim& hole, const CageHole& laid_out,
                                    const FillOptions& options, Smoothed smoothed) {
-  const std::optional<Fill> fill = followed(ground, hole.rim, options);
+  const std::optional<Fill> fill = followed(context, hole.rim, options);
   if (!fill) return {};
   std::map<Index, Index> row;
   for (std::size_t k = 0; k < fill->rim.size(); ++k) row[fill->rim[k]] = static_cast<Index>(k);
@@ -103,7 +103,7 @@ std::optional<OnMesh> cage_on_mesh(const Ground& ground, const SidedRim& hole, c
   Points places = Points::Zero(layout.barycentric.rows(), 3), border(layout.rim, 3);
   for (std::size_t k = 0; k < rim.size(); ++k) {
     const auto of = [&](std::size_t j) { return fill->rim_uv.row(row.at(rim[j % rim.size()])); };
-    const auto at = [&](std::size_t j) { return ground.mesh.vertices.row(rim[j % rim.size()]); };
+    const auto at = [&](std::size_t j) { return context.mesh.vertices.row(rim[j % rim.size()]); };
     auto place = places.row(static_cast<Index>(k)).head<2>();
     auto point = border.row(static_cast<Index>(k));
     if (row.contains(rim[k])) {
@@ -127,18 +127,18 @@ std::optional<OnMesh> cage_on_mesh(const Ground& ground, const SidedRim& hole, c
   return OnMesh{points, normals, fill->report.deviation_max.value_or(0)};
 }
 
-std::optional<Points> cage_in_rows(const Ground& ground, const CageHole& laid_out, const std::vector<Index>& replaced) {
+std::optional<Points> cage_in_rows(const FillContext& context, const CageHole& laid_out, const std::vector<Index>& replaced) {
   const std::vector<Index>& rim = laid_out.hole.rim;
-  const Index known = ground.mesh.vertices.rows();
+  const Index known = context.mesh.vertices.rows();
   // no row continues at the middle of an edge that the cage splits, and the mesh has no such vertex
   if (std::ranges::any_of(rim, [&](Index v) { return v >= known; })) return {};
   try {
-    const bool is_block = quad_rows(ground.left, rim).has_value();
-    const std::optional<Fill> fill = is_block ? fill_with_rows(ground, rim, Output::quads, false)
-                                              : fill_with_rows_over(ground, rim, laid_out.layout, Output::quads, false);
+    const bool is_block = quad_rows(context.left, rim).has_value();
+    const std::optional<Fill> fill = is_block ? fill_with_rows(context, rim, Output::quads, false)
+                                              : fill_with_rows_over(context, rim, laid_out.layout, Output::quads, false);
     if (!fill || !is_harmless(fill->report)) return {};
     std::optional<Points> points = is_block ? as_laid_out(*fill, laid_out) : fill->vertices;
-    return points && surface_tells_more(ground, *fill, replaced) ? std::nullopt : std::move(points);
+    return points && surface_tells_more(context, *fill, replaced) ? std::nullopt : std::move(points);
   } catch (const CodedRefusal&) {  // another way may be open
     return {};
   }

@@ -11,7 +11,7 @@
 #include "tripatch/fill/any_rim_fill.h"
 #include "tripatch/fill/automatic_fill.h"
 #include "tripatch/fill/cage_fills.h"
-#include "tripatch/fill/ground.h"
+#include "tripatch/fill/fill_context.h"
 #include "tripatch/fill/insisted.h"
 #include "tripatch/fill/merged_rims.h"
 #include "tripatch/fill/polygon_fill.h"
@@ -19,9 +19,9 @@
 #include "tripatch/fill/triangle_fill.h"
 #include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/extra_face.h"
+#include "tripatch/hole/near_duplicate_borders.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
-#include "tripatch/hole/unjoined.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
 #include "tripatch/messages.h"
@@ -112,27 +112,27 @@ void check_options(const FillOptions& options) {
 
 /// The patch over a polygon or a disc, requested, or that of three sides which meets points inside; nothing where the rim has three sides
 /// and no such points. Corners that are not given are detected.
-std::optional<Fill> fill_with_many_sides(const Ground& ground, const std::optional<std::vector<Index>>& rim,
+std::optional<Fill> fill_with_many_sides(const FillContext& context, const std::optional<std::vector<Index>>& rim,
                                          const Corners& corners, const FillOptions& options) {
   const bool inner = !options.through.empty();
   if (corners && !corners->empty() && !makes_polygon(*corners) && !inner) return {};
   std::vector<Index> given = corners.value_or(std::vector<Index>());
-  std::vector<Index> loop = rim ? *rim : given.empty() ? only_hole(ground) : loop_through(ground, given);
-  loop = check_topology(ground.left, loop);
-  check_finite(ground.mesh, ground.left, loop);
+  std::vector<Index> loop = rim ? *rim : given.empty() ? only_hole(context) : loop_through(context, given);
+  loop = check_topology(context.left, loop);
+  check_finite(context.mesh, context.left, loop);
   if (!corners) {
-    given = at_places(loop, corners_of_fill(ground.mesh, ground.left, loop));
+    given = at_places(loop, corners_of_fill(context.mesh, context.left, loop));
     const bool other = given.size() != 3 && options.method == patch_method;
-    if (other || (given.size() == 3 && !inner) || (given.empty() && !is_round(ground.mesh, ground.left, loop))) return {};
+    if (other || (given.size() == 3 && !inner) || (given.empty() && !is_round(context.mesh, context.left, loop))) return {};
   }
   check_counts(options, std::max<std::size_t>(given.size(), 1));
   Fill fill;
   if (given.empty()) {
-    check_positions(ground.mesh, ground.left, loop);
-    fill = std::move(fill_round(ground.mesh, ground.left, loop, options, true, ground.planes).fill);
+    check_positions(context.mesh, context.left, loop);
+    fill = std::move(fill_round(context.mesh, context.left, loop, options, true, context.planes).fill);
   } else {
-    const CorneredRim found = cornered(ground, loop, given);
-    fill = std::move(fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options, true, ground.planes).fill);
+    const CorneredRim found = cornered(context, loop, given);
+    fill = std::move(fill_with_polygon(context.mesh, context.left, found.rim, found.places, options, true, context.planes).fill);
   }
   fill.report.method_reason =
       options.method == polygon_method ? "it was requested" : "a patch over a polygon meets the points inside";
@@ -172,7 +172,7 @@ FillOptions choosing(const FillOptions& options) {
 }
 
 /// The patch between the sides of a fill that was chosen without what shapes it, made as it is asked for.
-Fill patch_as_asked(const Ground& ground, const Fill& chosen, FillOptions options) {
+Fill patch_as_asked(const FillContext& context, const Fill& chosen, FillOptions options) {
   const std::vector<Index>& corners = chosen.report.corners;
   const auto is_free = [](SeamContinuity c) { return c == SeamContinuity::free; };
   const bool flat = is_continuity_open(options) && std::ranges::all_of(chosen.report.continuity, is_free);
@@ -180,14 +180,14 @@ Fill patch_as_asked(const Ground& ground, const Fill& chosen, FillOptions option
   Fill made;
   if (corners.empty()) {
     if (is_continuity_open(options) && chosen.report.continuity[0] == SeamContinuity::g1) options.continuity = SideContinuity::g1;
-    made = std::move(fill_round(ground.mesh, ground.left, chosen.rim, unshaped(options), true, ground.planes).fill);
-    shape(ground.mesh, ground.left, {}, options, made);
+    made = std::move(fill_round(context.mesh, context.left, chosen.rim, unshaped(options), true, context.planes).fill);
+    shape(context.mesh, context.left, {}, options, made);
   } else if (chosen.report.method != polygon_method) {
-    made = fill_with_patch(ground, hole_of(ground, chosen.rim, corners), options);
+    made = fill_with_patch(context, hole_of(context, chosen.rim, corners), options);
   } else {
     options.cross_boundary = CrossBoundary::consistent;  // of three sides
-    const CorneredRim found = cornered(ground, chosen.rim, corners);
-    made = std::move(fill_with_polygon(ground.mesh, ground.left, found.rim, found.places, options, true, ground.planes).fill);
+    const CorneredRim found = cornered(context, chosen.rim, corners);
+    made = std::move(fill_with_polygon(context.mesh, context.left, found.rim, found.places, options, true, context.planes).fill);
   }
   made.report.method_reason = chosen.report.method_reason;
   if (flat && std::ranges::count(chosen.report.warnings, Code::flat_all_around, &Message::code) > 0)
@@ -203,44 +203,45 @@ bool asks_for_nothing(const FillOptions& options) {
 }
 
 /// Of a hole of three edges, or of few in smooth surroundings.
-std::optional<Fill> fill_if_small(const Ground& ground, const std::vector<Index>& rim, const FillOptions& options) {
+std::optional<Fill> fill_if_small(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options) {
   if (rim.size() > max_edges_of_small || !asks_for_nothing(options)) return {};
-  std::vector<Index> checked = check_topology(ground.left, rim);
-  check_finite(ground.mesh, ground.left, checked);
+  std::vector<Index> checked = check_topology(context.left, rim);
+  check_finite(context.mesh, context.left, checked);
   std::rotate(checked.begin(), std::min_element(checked.begin(), checked.end()), checked.end());
-  return checked.size() == 3 ? fill_with_one_triangle(ground.mesh, ground.left, checked)
-                             : fill_small(ground.mesh, ground.left, checked);
+  return checked.size() == 3 ? fill_with_one_triangle(context.mesh, context.left, checked)
+                             : fill_small(context.mesh, context.left, checked);
 }
 
 /// What the rim asks for, shaped as asked: shape changes nothing in what is chosen.
-Fill fill_and_shape(const Ground& ground, const std::vector<Index>& loop, const Corners& corners, const FillOptions& options) {
+Fill fill_and_shape(const FillContext& context, const std::vector<Index>& loop, const Corners& corners,
+                    const FillOptions& options) {
   if (corners) check_counts(options, std::max<std::size_t>(corners->size(), 1));
   if (!corners)
-    if (std::optional<Fill> small = fill_if_small(ground, loop, options)) return std::move(*small);
+    if (std::optional<Fill> small = fill_if_small(context, loop, options)) return std::move(*small);
   FillOptions by = choosing(options);
   if (!options.fairing) by.fairing.reset();  // between three sides it takes ten times as long as all else
-  Fill fill = fill_as_the_rim_asks(ground, loop, corners, by);
+  Fill fill = fill_as_the_rim_asks(context, loop, corners, by);
   const bool of_three = fill.report.method == patch_method;
   if (!options.fairing && !of_three) {
     by.fairing = choosing(options).fairing;
-    fill = fill_as_the_rim_asks(ground, loop, corners, by);
+    fill = fill_as_the_rim_asks(context, loop, corners, by);
   }
   const bool as_chosen = options.fairing == by.fairing && options.continuity == by.continuity &&
                          (options.cross_boundary == by.cross_boundary || !of_three);
   // a round rim's patch is a surface of revolution where it can be, and stays one
   if (!fill.sides.empty() && options.islands.empty() && ((is_shaped(options) && !fill.report.corners.empty()) || !as_chosen)) {
     try {
-      return patch_as_asked(ground, fill, options);
+      return patch_as_asked(context, fill, options);
     } catch (const CodedRefusal& refusal) {  // of what is asked for
       fill.report.warnings.push_back(refusal.message());
     }
   }
-  shape(ground.mesh, ground.left, sizes_of(options.islands), options, fill);
-  if (asks_for_nothing(options)) close_if_flat(ground, options, fill);
+  shape(context.mesh, context.left, sizes_of(options.islands), options, fill);
+  if (asks_for_nothing(options)) close_if_flat(context, options, fill);
   return fill;
 }
 
-Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
+Fill fill_as_asked(const FillContext& context, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                    const FillOptions& options) {
   const bool of_mesh = options.surroundings == SurroundingsFrom::mesh;  // a cage's limit surface has three sides only
   const bool automatic = options.method == automatic_method && of_mesh;
@@ -248,20 +249,22 @@ Fill fill_as_asked(const Ground& ground, const std::optional<std::vector<Index>>
   if (!automatic && !any_rim) {
     check_three(options, corners);
     if (of_mesh && (options.method == polygon_method || !options.through.empty()))
-      if (std::optional<Fill> fill = fill_with_many_sides(ground, rim, corners, options)) return std::move(*fill);
-    return fill_with_patch(ground, hole_of(ground, rim, corners), options);
+      if (std::optional<Fill> fill = fill_with_many_sides(context, rim, corners, options)) return std::move(*fill);
+    return fill_with_patch(context, hole_of(context, rim, corners), options);
   }
-  const std::vector<Index> loop = rim ? *rim : corners && !corners->empty() ? loop_through(ground, *corners) : only_hole(ground);
-  if (!rim && has_edges_of_no_length(ground.mesh.vertices, loop)) {
+  const std::vector<Index> loop = rim                            ? *rim
+                                  : corners && !corners->empty() ? loop_through(context, *corners)
+                                                                 : only_hole(context);
+  if (!rim && has_edges_of_no_length(context.mesh.vertices, loop)) {
     FillOptions with_rim = options;
     with_rim.rim = loop;
-    return fill_one_hole(ground.mesh, with_rim);
+    return fill_one_hole(context.mesh, with_rim);
   }
-  if (automatic) return fill_and_shape(ground, loop, corners, options);
-  Fill fill = options.method == rows_method      ? fill_with_rows_only(ground, loop, corners, options)
-              : options.method == annulus_method ? fill_ring(ground, loop, options, "it was requested")
-                                                 : fill_any_rim(ground, loop, corners, options, "it was requested");
-  shape(ground.mesh, ground.left, sizes_of(options.islands), options, fill);
+  if (automatic) return fill_and_shape(context, loop, corners, options);
+  Fill fill = options.method == rows_method      ? fill_with_rows_only(context, loop, corners, options)
+              : options.method == annulus_method ? fill_ring(context, loop, options, "it was requested")
+                                                 : fill_any_rim(context, loop, corners, options, "it was requested");
+  shape(context.mesh, context.left, sizes_of(options.islands), options, fill);
   return fill;
 }
 
@@ -286,21 +289,21 @@ void measure_gap(const Mesh& mesh, Fill& fill) {
     tell_gap(diameter(mesh, fill.rim), fill.report);  // a surface that continues all surroundings has its error instead
 }
 
-Fill fill_by_method(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
+Fill fill_by_method(const FillContext& context, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                     const FillOptions& options) {
-  Fill fill = fill_as_asked(ground, rim, corners, options);
-  lean(ground.planes, fill);
+  Fill fill = fill_as_asked(context, rim, corners, options);
+  lean(context.planes, fill);
   refuse_infinite(fill, fill.rim);
   Report& report = fill.report;
   if (report.triangles_folded > 0 && report.method != spline_method)
-    report.rim_folded = folds_of_rim(ground.mesh, ground.left, {fill.rim});
-  refuse_if_insisted(ground, fill, options);
+    report.rim_folded = folds_of_rim(context.mesh, context.left, {fill.rim});
+  refuse_if_insisted(context, fill, options);
   tell_odd(options, fill);
-  if (fill.patch) measure_gap(ground.mesh, fill);
-  if (report.triangles_folded > 0) tell_turned_over(ground.mesh, ground.left, fill.rim, report);
+  if (fill.patch) measure_gap(context.mesh, fill);
+  if (report.triangles_folded > 0) tell_turned_over(context.mesh, context.left, fill.rim, report);
   if (report.crosses_itself)
-    if (const auto where = place_of_crossing(ground.mesh, fill.vertices, fill.faces))
-      tell_crossing(ground.mesh.vertices, fill.rim, *where, report, Code::crosses_itself);
+    if (const auto where = place_of_crossing(context.mesh, fill.vertices, fill.faces))
+      tell_crossing(context.mesh.vertices, fill.rim, *where, report, Code::crosses_itself);
   return fill;
 }
 
@@ -369,27 +372,27 @@ bool takes_any_rim(const FillOptions& options) {
 ///
 /// again: makes the k-th fill once more.
 template <class Again>
-void keep_clear(Ground& ground, const FillOptions& options, std::span<Fill* const> fills, const Again& again) {
+void keep_clear(FillContext& context, const FillOptions& options, std::span<Fill* const> fills, const Again& again) {
   std::vector<const Fill*> all(fills.begin(), fills.end());
-  const std::vector<std::optional<Vec3>> places = ground.passages_of(all, options);
-  ground.keeps_clear = options.method == automatic_method;
+  const std::vector<std::optional<Vec3>> places = context.passages_of(all, options);
+  context.keeps_clear = options.method == automatic_method;
   for (std::size_t k = 0; k < fills.size(); ++k) {
     fills[k]->passes_through = places[k];
-    if (!places[k] || !ground.keeps_clear) continue;
+    if (!places[k] || !context.keeps_clear) continue;
     try {
       Fill other = again(k);
       all[k] = &other;
-      if (!ground.passages_of(all, options)[k]) *fills[k] = std::move(other);
+      if (!context.passages_of(all, options)[k]) *fills[k] = std::move(other);
     } catch (const CodedRefusal&) {  // there is a fill
     }
     all[k] = fills[k];
   }
 }
 
-SidedRim cage_rim_for(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners,
+SidedRim cage_rim_for(const FillContext& context, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                       const FillOptions& options) {
   check_three(options, corners);
-  SidedRim found = cage_rim_of(ground, rim, corners);
+  SidedRim found = cage_rim_of(context, rim, corners);
   if (wants_three(options) && !found.is_triangle())
     throw found.guessed
         ? CodedRefusal(Code::method_needs_three_rim_shows_none, {{"method", options.method}}, found.rim)
@@ -399,13 +402,13 @@ SidedRim cage_rim_for(const Ground& ground, const std::optional<std::vector<Inde
 
 /// A hole of a mesh near the origin.
 Fill fill_as_it_is(const Mesh& mesh, const FillOptions& options) {
-  Ground ground(mesh, options.rim, options);
+  FillContext context(mesh, options.rim, options);
   if (options.output == Output::cage)
-    return std::move(fill_with_cages(ground, {cage_rim_for(ground, options.rim, options.corners, options)}, options)[0]);
-  const auto filled = [&] { return fill_by_method(ground, options.rim, options.corners, options); };
+    return std::move(fill_with_cages(context, {cage_rim_for(context, options.rim, options.corners, options)}, options)[0]);
+  const auto filled = [&] { return fill_by_method(context, options.rim, options.corners, options); };
   Fill fill = filled();
   Fill* const only = &fill;
-  keep_clear(ground, options, {&only, 1}, [&](std::size_t) { return filled(); });
+  keep_clear(context, options, {&only, 1}, [&](std::size_t) { return filled(); });
   return fill;
 }
 
@@ -489,8 +492,8 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
       return fill_every_merged(mesh, merged, rims, options, corners, progress);
   std::optional<std::vector<Index>> only;
   if (rims.size() == 1) only = rims[0];
-  Ground ground(mesh, only, options, connected);
-  if (options.surroundings == SurroundingsFrom::mesh) ground.planes = shared_planes(mesh, ground.left, rims);
+  FillContext context(mesh, only, options, connected);
+  if (options.surroundings == SurroundingsFrom::mesh) context.planes = shared_planes(mesh, context.left, rims);
   const auto report_progress = [&](std::size_t done) {
     if (progress) progress(done);
   };
@@ -499,15 +502,15 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
     std::vector<std::optional<SidedRim>> holes(rims.size());
     for (std::size_t k = 0; k < rims.size(); ++k) {
       try {
-        holes[k] = cage_rim_for(ground, rims[k], corners_at(k), options);
+        holes[k] = cage_rim_for(context, rims[k], corners_at(k), options);
       } catch (const CodedRefusal& refusal) {
         results[k] = refused(refusal);
       }
     }
-    fill_all_with_cages(ground, holes, options, results, progress);
+    fill_all_with_cages(context, holes, options, results, progress);
     return results;
   }
-  const auto filled = [&](std::size_t k) { return fill_by_method(ground, rims[k], corners_at(k), options); };
+  const auto filled = [&](std::size_t k) { return fill_by_method(context, rims[k], corners_at(k), options); };
   const auto fill_one = [&](std::size_t k) {
     const Stopwatch watch;
     try {
@@ -527,7 +530,7 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
     fills.push_back(fill);
     of.push_back(k);
   }
-  keep_clear(ground, options, fills, [&](std::size_t k) { return filled(of[k]); });
+  keep_clear(context, options, fills, [&](std::size_t k) { return filled(of[k]); });
   return results;
 }
 
@@ -539,7 +542,7 @@ void tell_not_taken(const FillOptions& options, Fill& fill) {
 
 /// For each rim what is wrong with the mesh there; else nothing.
 std::vector<std::optional<Message>> told_of_rims(const Mesh& mesh, std::span<const std::vector<Index>> rims) {
-  std::vector<std::optional<Message>> told = told_of_unjoined(mesh, rims), extra = told_of_extra_faces(mesh, rims);
+  std::vector<std::optional<Message>> told = told_of_near_duplicate_borders(mesh, rims), extra = told_of_extra_faces(mesh, rims);
   for (std::size_t k = 0; k < rims.size(); ++k)
     if (!told[k]) told[k] = std::move(extra[k]);
   return told;

@@ -13,16 +13,16 @@ namespace tripatch {
 namespace {
 
 /// Edges that are folded avoidably: where sides are met in position only, what is beyond meets them at whatever angle it has.
-std::vector<std::array<Index, 2>> folds_of(const Ground& ground, const Fill& fill) {
+std::vector<std::array<Index, 2>> folds_of(const FillContext& context, const Fill& fill) {
   const bool at_angles = std::ranges::any_of(fill.report.continuity, in_position);
-  const std::vector<FaceBeyond> beyond =
-      at_angles ? std::vector<FaceBeyond>() : faces_beyond(ground.mesh, ground.left, {fill.rim});
-  return folded_edges(ground.mesh.vertices, fill.vertices, fill.faces, beyond);
+  const std::vector<AdjacentFace> beyond =
+      at_angles ? std::vector<AdjacentFace>() : faces_beyond(context.mesh, context.left, {fill.rim});
+  return folded_edges(context.mesh.vertices, fill.vertices, fill.faces, beyond);
 }
 
 /// The vertices of the rim nearest to the folds, each once, as the folds are met.
-std::vector<Index> beside(const Ground& ground, const Fill& fill, const std::vector<std::array<Index, 2>>& folds) {
-  const PointsRef& vertices = ground.mesh.vertices;
+std::vector<Index> beside(const FillContext& context, const Fill& fill, const std::vector<std::array<Index, 2>>& folds) {
+  const PointsRef& vertices = context.mesh.vertices;
   const Index n = vertices.rows();
   const auto at = [&](Index v) { return v < n ? Vec3(vertices.row(v)) : Vec3(fill.vertices.row(v - n)); };
   std::vector<Index> out;
@@ -45,7 +45,7 @@ bool is_shaped_or_plain(FillOptions options) {
 
 }  // namespace
 
-void refuse_if_insisted(const Ground& ground, const Fill& fill, const FillOptions& options) {
+void refuse_if_insisted(const FillContext& context, const Fill& fill, const FillOptions& options) {
   if (options.method == automatic_method || is_shaped_or_plain(options)) return;
   const Report& report = fill.report;
   const bool as_a_whole = options.method == spline_method;
@@ -56,16 +56,16 @@ void refuse_if_insisted(const Ground& ground, const Fill& fill, const FillOption
   };
   if (report.triangles_folded > report.rim_folded) {
     const bool of_limit = options.output == Output::cage;  // folds are those of its limit surface, which has other faces
-    const std::vector<std::array<Index, 2>> folds = folds_of(ground, fill);
+    const std::vector<std::array<Index, 2>> folds = folds_of(context, fill);
     const Index count = of_limit ? report.triangles_folded : static_cast<Index>(folds.size());
-    const std::vector<Index> where = beside(ground, fill, folds);
+    const std::vector<Index> where = beside(context, fill, folds);
     if (count > report.rim_folded)
       refuse(report.rim_folded > 0 ? Code::method_folds_more_than_rim : Code::method_folds, where, count);
   }
   if (report.crosses_itself && !as_a_whole) {
     std::vector<Index> where;
-    if (const auto place = place_of_crossing(ground.mesh, fill.vertices, fill.faces))
-      where.push_back(nearest_of(ground.mesh.vertices, fill.rim, *place));
+    if (const auto place = place_of_crossing(context.mesh, fill.vertices, fill.faces))
+      where.push_back(nearest_of(context.mesh.vertices, fill.rim, *place));
     refuse(Code::method_crosses, where, 0);
   }
 }

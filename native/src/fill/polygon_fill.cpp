@@ -11,9 +11,9 @@
 #include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/hole/sharp_sides.h"
-#include "tripatch/math/beginning.h"
+#include "tripatch/math/canonical_start.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/triangles.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/doubled_edges.h"
@@ -45,10 +45,10 @@ PlanePoints rim_places(const PolygonDomain& domain, const std::vector<std::vecto
 struct WalkedRim {
   WalkedRim(const Vec2& center, const Surface& patch, const PlanePoints& rim_uv, const Points& rim,
             const std::vector<Index>& corners) {
-    Beginnings beginnings(rim, {}, corners);
+    CanonicalStarts beginnings(rim, {}, corners);
     beginnings.compare_along();
     if (!beginnings.decided()) beginnings.compare_with(patch.positions(as_rows((rim_uv.rowwise() + center.transpose()) / 2)));
-    const Beginning first = beginnings.left()[0];
+    const CanonicalStart first = beginnings.left()[0];
     is_mirrored = first.backwards;
     turn = Vec2(1, is_mirrored ? -1 : 1);
     const SurfacePtr given(SurfacePtr(), &patch);
@@ -236,7 +236,7 @@ struct ReadTogether {
 };
 
 /// By twos around the polygon from where its geometry begins it: however it is given, the same are read together.
-std::vector<ReadTogether> read_together(Index n, const Beginning& begin, Index corner) {
+std::vector<ReadTogether> read_together(Index n, const CanonicalStart& begin, Index corner) {
   std::vector<ReadTogether> out;
   const auto at = [&](Index k) { return (corner + k + 2 * n) % n; };
   if (n == 2) return {{0, {{2, 0}}}, {1, {{2, 1}}}};
@@ -261,9 +261,9 @@ MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std
   MeshPolygon out;
   out.sides.resize(n);
   out.parameters.resize(n);
-  Beginnings beginnings(mesh.vertices(rim, Eigen::all), {}, corners);
+  CanonicalStarts beginnings(mesh.vertices(rim, Eigen::all), {}, corners);
   beginnings.compare_along();
-  const Beginning begin = beginnings.left()[0];
+  const CanonicalStart begin = beginnings.left()[0];
   const Index first = std::find(corners.begin(), corners.end(), begin.place) - corners.begin();
   double squares = 0, counted = 0;  // of the errors of the sides, by their vertices
   for (const ReadTogether& together : read_together(n, begin, first)) {

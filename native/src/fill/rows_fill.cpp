@@ -17,7 +17,7 @@
 #include "tripatch/grid/rows_surface.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/quads/wanted_quads.h"
@@ -148,34 +148,34 @@ void report_rows(const Mesh& mesh, const Connectivity& around, double missed, Fi
 }
 
 /// What is left to be told of quads that are made.
-void complete(const Ground& ground, double missed, Output output, bool features, Fill& fill) {
+void complete(const FillContext& context, double missed, Output output, bool features, Fill& fill) {
   fill.deviation = Eigen::VectorXd::Constant(fill.vertices.rows(), missed);
-  const RowsInMesh in_mesh(ground, fill);
+  const RowsInMesh in_mesh(context, fill);
   if (!fill.patch) fill.rim_normals = in_mesh.normals_of_rim(), fill.normals = in_mesh.normals_of_new();
   if (features) fill.feature_edges = in_mesh.creases();
-  if (output == Output::triangles) halve_quads(ground.mesh, fill);
-  report_rows(ground.mesh, ground.left, missed, fill);
+  if (output == Output::triangles) halve_quads(context.mesh, fill);
+  report_rows(context.mesh, context.left, missed, fill);
 }
 
-std::optional<Fill> fill_block(const Ground& ground, const std::vector<Index>& rim, const QuadRows& rows, Output output,
+std::optional<Fill> fill_block(const FillContext& context, const std::vector<Index>& rim, const QuadRows& rows, Output output,
                                bool features) {
   const Index n = rows.n(), m = rows.m();
   Fill fill;
   fill.rim = rim_from_corner(rows, rim);
-  check_positions(ground.mesh, ground.left, fill.rim);
+  check_positions(context.mesh, context.left, fill.rim);
   const std::array<Index, 4> corners = {0, n, n + m, 2 * n + m};
   const bool is_strip = n == 1 || m == 1;
-  ContinuedRows made = continued_rows(ground.mesh.vertices, rows);
+  ContinuedRows made = continued_rows(context.mesh.vertices, rows);
   if (!made.inside.allFinite() || !std::isfinite(made.missed)) return {};
   fill.vertices = std::move(made.inside);
-  const Block block(ground.mesh, rows, fill.vertices);
+  const Block block(context.mesh, rows, fill.vertices);
   fill.faces = quads_of(rows, block);
   // only single rows have edges between vertices of the rim, and no others
-  if (is_strip && doubles_edges_of_mesh(ground.left, fill.rim, fill.faces)) return {};
+  if (is_strip && doubles_edges_of_mesh(context.left, fill.rim, fill.faces)) return {};
   put_on_surface(rows, block, fill);
   if (!fill.normals.allFinite() || !fill.rim_normals.allFinite()) return {};  // next to coordinates beyond all measure
   for (Index place : corners) fill.report.corners.push_back(fill.rim[static_cast<std::size_t>(place)]);
-  complete(ground, made.missed, output, features, fill);
+  complete(context, made.missed, output, features, fill);
   return fill;
 }
 
@@ -210,28 +210,28 @@ QuadLayout in_order_from_rim(const QuadLayout& layout) {
 }
 
 /// The layout of quads that the rim alone tells of: all faces around are quads, whose rows close inside, or but for a right angle.
-std::optional<QuadLayout> layout_of_rows(const Ground& ground, const std::vector<Index>& rim) {
-  if (!is_among_quads(ground.left, rim)) return {};
+std::optional<QuadLayout> layout_of_rows(const FillContext& context, const std::vector<Index>& rim) {
+  if (!is_among_quads(context.left, rim)) return {};
   Index turns = 0;  // right angles of the rim
   for (std::size_t k = 0; k < rim.size(); ++k)
-    turns += 2 - std::lround(coarse(quads_left(ground.mesh.vertices, ground.left, rim, k)));
+    turns += 2 - std::lround(coarse(quads_left(context.mesh.vertices, context.left, rim, k)));
   if (std::abs(turns - right_angles_of_grid) > max_poles) return {};
-  const std::optional<QuadLayout> layout = grown_layout(rim, ground.mesh.vertices, ground.left);
+  const std::optional<QuadLayout> layout = grown_layout(rim, context.mesh.vertices, context.left);
   if (!layout || std::ranges::any_of(layout->faces.offsets, [](Index at) { return at % 4 != 0; })) return {};
   return in_order_from_rim(*layout);
 }
 
 }  // namespace
 
-std::optional<Fill> fill_with_rows_over(const Ground& ground, const std::vector<Index>& rim, const QuadLayout& layout,
+std::optional<Fill> fill_with_rows_over(const FillContext& context, const std::vector<Index>& rim, const QuadLayout& layout,
                                         Output output, bool features) {
-  const Index n = ground.mesh.vertices.rows(), r = layout.rim;
+  const Index n = context.mesh.vertices.rows(), r = layout.rim;
   const QuadsInside quads = {rim, layout.faces, layout.barycentric.rows() - r};
-  if (quads.inside > max_inside || !go_on(ground.mesh.vertices, ground.left, quads) ||
-      doubles_edges(ground.left, rim, layout.faces))
+  if (quads.inside > max_inside || !go_on(context.mesh.vertices, context.left, quads) ||
+      doubles_edges(context.left, rim, layout.faces))
     return {};
-  check_positions(ground.mesh, ground.left, rim);
-  ContinuedRows made = continued_quads(ground.mesh.vertices, ground.left, quads);
+  check_positions(context.mesh, context.left, rim);
+  ContinuedRows made = continued_quads(context.mesh.vertices, context.left, quads);
   if (made.order == 0 || !made.inside.allFinite()) return {};
   Fill fill;
   fill.rim = rim;
@@ -244,23 +244,23 @@ std::optional<Fill> fill_with_rows_over(const Ground& ground, const std::vector<
   }
   for (const Index pole : layout.poles)
     fill.report.poles.push_back({n + pole - r, std::ranges::count(layout.faces.corners, pole)});
-  complete(ground, made.missed, output, features, fill);
+  complete(context, made.missed, output, features, fill);
   if (!fill.normals.allFinite() || !fill.rim_normals.allFinite()) return {};  // as of a block
   return fill;
 }
 
-std::optional<Fill> fill_with_rows(const Ground& ground, const std::vector<Index>& rim, Output output, bool features) {
-  if (const std::optional<QuadRows> rows = quad_rows(ground.left, rim))
-    return rows->n() > max_edges || rows->m() > max_edges ? std::nullopt : fill_block(ground, rim, *rows, output, features);
-  const std::optional<QuadLayout> layout = layout_of_rows(ground, rim);
-  return layout ? fill_with_rows_over(ground, rim, *layout, output, features) : std::nullopt;
+std::optional<Fill> fill_with_rows(const FillContext& context, const std::vector<Index>& rim, Output output, bool features) {
+  if (const std::optional<QuadRows> rows = quad_rows(context.left, rim))
+    return rows->n() > max_edges || rows->m() > max_edges ? std::nullopt : fill_block(context, rim, *rows, output, features);
+  const std::optional<QuadLayout> layout = layout_of_rows(context, rim);
+  return layout ? fill_with_rows_over(context, rim, *layout, output, features) : std::nullopt;
 }
 
-Fill fill_with_rows_only(const Ground& ground, const std::vector<Index>& rim, const Corners& corners,
+Fill fill_with_rows_only(const FillContext& context, const std::vector<Index>& rim, const Corners& corners,
                          const FillOptions& options) {
   if (options.surroundings == SurroundingsFrom::limit)
     throw CodedRefusal(Code::limit_needs_three_corners, {{"reason", std::string(rows_method) + " reads the mesh"}});
-  std::optional<Fill> fill = fill_with_rows(ground, check_topology(ground.left, rim), options.output, options.features);
+  std::optional<Fill> fill = fill_with_rows(context, check_topology(context.left, rim), options.output, options.features);
   const auto is_other = [&](Index v) { return std::ranges::find(fill->report.corners, v) == fill->report.corners.end(); };
   if (!fill || (corners && (corners->size() != fill->report.corners.size() || std::ranges::any_of(*corners, is_other))))
     throw CodedRefusal(Code::no_rows_of_quads, rim);

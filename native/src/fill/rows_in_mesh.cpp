@@ -14,16 +14,16 @@ namespace tripatch {
 namespace {
 
 /// Faces of quads and at their rim, numbered as the fill's vertices.
-Faces faces_at(const Ground& ground, const Fill& quads) {
+Faces faces_at(const FillContext& context, const Fill& quads) {
   Faces faces = quads.faces;
   std::set<Index> taken;
   for (const Index v : quads.rim)
-    for (const Connectivity::Corner c : ground.left.at(v))
-      if (taken.insert(ground.left.face(c)).second) faces.add(ground.mesh.faces[ground.left.face(c)]);
+    for (const Connectivity::Corner c : context.left.at(v))
+      if (taken.insert(context.left.face(c)).second) faces.add(context.mesh.faces[context.left.face(c)]);
   return faces;
 }
 
-std::vector<Index> numbered(const Ground& ground, const Fill& quads, Faces& faces) {
+std::vector<Index> numbered(const FillContext& context, const Fill& quads, Faces& faces) {
   std::map<Index, Index> row;
   std::vector<Index> vertices;
   const auto row_of = [&](Index v) {
@@ -32,31 +32,31 @@ std::vector<Index> numbered(const Ground& ground, const Fill& quads, Faces& face
     return at->second;
   };
   for (const Index v : quads.rim) row_of(v);
-  for (Index v = 0; v < quads.vertices.rows(); ++v) row_of(ground.mesh.vertices.rows() + v);
+  for (Index v = 0; v < quads.vertices.rows(); ++v) row_of(context.mesh.vertices.rows() + v);
   for (Index& v : faces.corners) v = row_of(v);
   return vertices;
 }
 
-Points positions(const Ground& ground, const Fill& quads, const std::vector<Index>& vertices) {
-  const Index n = ground.mesh.vertices.rows();
+Points positions(const FillContext& context, const Fill& quads, const std::vector<Index>& vertices) {
+  const Index n = context.mesh.vertices.rows();
   Points points(static_cast<Index>(vertices.size()), 3);
   for (Index k = 0; k < points.rows(); ++k) {
     const Index v = vertices[static_cast<std::size_t>(k)];
-    points.row(k) = v < n ? Vec3(ground.mesh.vertices.row(v)) : Vec3(quads.vertices.row(v - n));
+    points.row(k) = v < n ? Vec3(context.mesh.vertices.row(v)) : Vec3(quads.vertices.row(v - n));
   }
   return points;
 }
 
 }  // namespace
 
-RowsInMesh::RowsInMesh(const Ground& ground, const Fill& quads)
-    : ground_(ground),
+RowsInMesh::RowsInMesh(const FillContext& context, const Fill& quads)
+    : ground_(context),
       fill_(quads),
       rim_(static_cast<Index>(quads.rim.size())),
       own_(rim_ + quads.vertices.rows()),
-      faces_(faces_at(ground, quads)),
-      vertices_(numbered(ground, quads, faces_)),
-      points_(positions(ground, quads, vertices_)),
+      faces_(faces_at(context, quads)),
+      vertices_(numbered(context, quads, faces_)),
+      points_(positions(context, quads, vertices_)),
       around_(faces_, points_.rows()) {}
 
 Points RowsInMesh::normals_of_rim() const { return vertex_normals({points_, faces_}).topRows(rim_); }

@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "tripatch/constructions/methods.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
 namespace {
@@ -39,13 +39,13 @@ double stated_error(const Fill& fill, double size) {
   return std::hypot(size * error_by_energy * std::sqrt(report.energy_after), by_planes);
 }
 
-auto compared(const Quality& q) { return std::tuple(q.crosses, q.folds, q.leaves_hole); }
+auto compared(const Quality& q) { return std::tuple(q.crosses, q.folds, q.exceeds_hole_bounds); }
 
 /// Why a candidate is not used.
 std::string why_not(const Quality& quality, const Quality& used) {
   if (quality.crosses > used.crosses) return "crosses itself or the mesh";
   if (quality.folds > used.folds) return "folds";
-  if (quality.leaves_hole > used.leaves_hole) return "leaves the hole";
+  if (quality.exceeds_hole_bounds > used.exceeds_hole_bounds) return "leaves the hole";
   return "is expected to be less accurate";
 }
 

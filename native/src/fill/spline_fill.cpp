@@ -11,7 +11,7 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/canonical_part.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/messages.h"
@@ -183,7 +183,7 @@ std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around
   Faces in_mesh = cut;
   for (Index& v : in_mesh.corners)
     v = v < layout->rim ? rim[static_cast<std::size_t>(v)] : mesh.vertices.rows() + v - layout->rim;
-  const std::vector<FaceBeyond> beyond = faces_beyond(mesh, around, {rim});
+  const std::vector<AdjacentFace> beyond = faces_beyond(mesh, around, {rim});
   if (count_folded_edges(mesh.vertices, points.bottomRows(added), in_mesh, beyond) > made.folds) return {};
   if (crosses_itself(points, halves_of(cut))) return {};
   const PlanePoints uv = layout->uv.bottomRows(added);

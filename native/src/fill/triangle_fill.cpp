@@ -31,8 +31,8 @@ void complete_report(const SidedRim& hole, const FillOptions& options, Report& r
   tell_folds(report);
 }
 
-std::vector<double> sharp_sides_of(const Ground& ground, const Hole& hole) {
-  const std::vector<double> from_first = sharp_sides(ground.mesh, ground.left, hole.rim, hole.corners);
+std::vector<double> sharp_sides_of(const FillContext& context, const Hole& hole) {
+  const std::vector<double> from_first = sharp_sides(context.mesh, context.left, hole.rim, hole.corners);
   return {from_first[1], from_first[2], from_first[0]};  // side 2 begins at corner 0
 }
 
@@ -61,24 +61,24 @@ struct FineCage {
   std::vector<Index> rim;
 };
 
-FineCage fine_cage(const Ground& ground, const Hole& hole, const Subdivision& settings, const Points& border) {
-  FineCage out{refine_cage(ground.mesh, ground.left, settings, hole.rim), {}};
+FineCage fine_cage(const FillContext& context, const Hole& hole, const Subdivision& settings, const Points& border) {
+  FineCage out{refine_cage(context.mesh, context.left, settings, hole.rim), {}};
   for (const std::vector<Index>& edge : out.refined.along_rim) out.rim.insert(out.rim.end(), edge.begin(), edge.end());
   for (std::size_t k = 0; k < out.rim.size(); ++k) out.refined.vertices.row(out.rim[k]) = border.row(static_cast<Index>(k));
   return out;
 }
 
 /// The surface of those points over a plane, as a mesh of its own as next to any limit surface; nothing where it folds too.
-std::optional<Fill> fill_over_points(const Ground& ground, const Hole& hole, const FillOptions& options,
+std::optional<Fill> fill_over_points(const FillContext& context, const Hole& hole, const FillOptions& options,
                                      const Surroundings& surroundings) {
-  const FineCage fine = fine_cage(ground, hole, options.subdivision, surroundings.border);
+  const FineCage fine = fine_cage(context, hole, options.subdivision, surroundings.border);
   const Mesh own{fine.refined.vertices, fine.refined.faces};
   SplineFillOptions how;
   how.quads = options.output == Output::quads;
   if (!how.quads) how.resolution = options.resolution;
   Fill fill = fill_with_spline(own, Connectivity(own), fine.rim, {}, how);
   if (!fill.patch || fill.report.triangles_folded > fill.report.rim_folded) return {};
-  const Index n = ground.mesh.vertices.rows(), there = own.vertices.rows(), b = surroundings.border.rows();
+  const Index n = context.mesh.vertices.rows(), there = own.vertices.rows(), b = surroundings.border.rows();
   std::vector<Index> place(there, -1);
   for (Index k = 0; k < b; ++k) place[fine.rim[k]] = k;
   const auto number = [&](Index v) { return n + (v < there ? place[v] : b + v - there); };
@@ -112,25 +112,25 @@ bool may_follow_points(const FillOptions& options) {
 
 }  // namespace
 
-Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options, const PlanesEstimated& estimated) {
+Fill fill_with_patch(const FillContext& context, Hole hole, const FillOptions& options, const PlanesEstimated& estimated) {
   check_counts(options, 3);
-  const Mesh& mesh = ground.mesh;
+  const Mesh& mesh = context.mesh;
   const std::string method = options.method == automatic_method ? patch_method : options.method;
   const bool looks_for_sharp =
       options.surroundings == SurroundingsFrom::mesh && find_method(method).continuity != SeamContinuity::g0;
-  std::vector<double> angles = looks_for_sharp ? sharp_sides_of(ground, hole) : std::vector<double>(3, 0.0);
+  std::vector<double> angles = looks_for_sharp ? sharp_sides_of(context, hole) : std::vector<double>(3, 0.0);
   SideTerms terms = terms_of_sides(options.continuity, angles);
   std::copy(terms.alone.begin(), terms.alone.end(), hole.alone.begin());
   FillOptions own = options;
   own.continuity = BySide<SideContinuity>(std::move(terms.continuity));
   const Surroundings surroundings =
-      surroundings_of(mesh, ground.whole(), ground.left, hole,
-                      options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr, ground.planes);
+      surroundings_of(mesh, context.whole(), context.left, hole,
+                      options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr, context.planes);
   if (estimated && std::ranges::count(hole.alone, true) == 0) estimated(surroundings.error);
 
   MadePatch made = patch_without_folds(surroundings.sides, own);
   if (made.report.folds > 0 && may_follow_points(options))
-    if (std::optional<Fill> other = fill_over_points(ground, hole, options, surroundings)) return std::move(*other);
+    if (std::optional<Fill> other = fill_over_points(context, hole, options, surroundings)) return std::move(*other);
   Fill fill;
   fill.patch = std::move(made.patch);
   fill.report = std::move(made.report);
@@ -143,7 +143,7 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
     cover = options.output == Output::quads
                 ? cover_with_quads(mesh, hole, surroundings.parameters, *fill.patch, layout_options(options), own_rim)
                 : cover_with_triangles(hole, surroundings.parameters, *fill.patch, options.resolution,
-                                       own_rim ? nullptr : &ground.left);
+                                       own_rim ? nullptr : &context.left);
   };
   const auto look_at_rim = [&] {
     fill.rim = hole.rim;
@@ -155,7 +155,7 @@ Fill fill_with_patch(const Ground& ground, Hole hole, const FillOptions& options
                hole.rim.size() >= long_enough || options.output != Output::triangles || options.resolution.has_value());
   deliver(std::move(cover), surroundings.border, mesh.vertices.rows(), fill);
   const bool along_rim = options.output == Output::triangles && !own_rim;
-  measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, ground.left, {hole.rim}), report,
+  measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, context.left, {hole.rim}), report,
                 along_rim ? hole.rim : std::vector<Index>());
   report.surroundings_error = surroundings.error;
   report.warnings.insert(report.warnings.begin(), surroundings.warnings.begin(), surroundings.warnings.end());

@@ -14,7 +14,7 @@
 #include "tripatch/grid/mixed_differences.h"
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/quads/wanted_quads.h"
 
 namespace tripatch {

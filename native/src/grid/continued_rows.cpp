@@ -6,7 +6,7 @@
 
 #include "tripatch/grid/mixed_differences.h"
 #include "tripatch/math/decompositions.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
 namespace {

@@ -9,7 +9,7 @@
 #include "tripatch/hole/corners.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
 namespace {

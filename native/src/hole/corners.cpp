@@ -8,7 +8,7 @@
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {

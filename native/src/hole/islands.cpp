@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "tripatch/math/box_tree.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
 namespace {

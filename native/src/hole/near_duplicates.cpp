@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "tripatch/math/box_tree.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
 namespace {

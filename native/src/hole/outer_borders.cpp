@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "tripatch/hole/rim_shape.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/border_loops.h"
 #include "tripatch/messages.h"
 

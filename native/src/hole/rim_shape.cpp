@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "tripatch/math/angle.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/vertex_normals.h"
 
 namespace tripatch {
@@ -155,7 +155,7 @@ double diameter(const Points& rim) {
 
 double diameter(const Mesh& mesh, const std::vector<Index>& rim) { return diameter(Points(mesh.vertices(rim, Eigen::all))); }
 
-bool leaves_hole(const Mesh& mesh, const std::vector<Index>& rim, const Points& inside) {
+bool exceeds_hole_bounds(const Mesh& mesh, const std::vector<Index>& rim, const Points& inside) {
   // Nearly always all are as near to one vertex of the rim as another vertex is, and the hole is as large at least.
   const Points around = mesh.vertices(rim, Eigen::all);
   const auto squares = [&](const Points& points) { return (points.rowwise() - around.row(0)).rowwise().squaredNorm().eval(); };

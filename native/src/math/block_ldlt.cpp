@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "tripatch/math/machines.h"
+#include "tripatch/math/simd.h"
 
 namespace tripatch {
 namespace {

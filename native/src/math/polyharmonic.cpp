@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/machines.h"
+#include "tripatch/math/simd.h"
 
 namespace tripatch {
 namespace {

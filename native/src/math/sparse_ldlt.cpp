@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/machines.h"
+#include "tripatch/math/simd.h"
 
 namespace tripatch {
 namespace {

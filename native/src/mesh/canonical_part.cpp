@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
-#include "tripatch/math/beginning.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/canonical_start.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/submesh.h"
 
 namespace tripatch {
@@ -114,13 +114,13 @@ struct Copy {
 
 /// Where and in which direction each loop is begun; the first of them says whether it is backwards. Of those that are alike as far as
 /// `some` faces reach the one of the lowest vertex, forwards.
-std::vector<Beginning> beginnings_of(const Mesh& mesh, const Connectivity& around, const std::vector<RimLoop>& loops,
-                                     const std::vector<Index>& some) {
-  std::vector<Beginning> out;
+std::vector<CanonicalStart> beginnings_of(const Mesh& mesh, const Connectivity& around, const std::vector<RimLoop>& loops,
+                                          const std::vector<Index>& some) {
+  std::vector<CanonicalStart> out;
   RimLoop all;
   for (const RimLoop& loop : loops) all.insert(all.end(), loop.begin(), loop.end());
   for (const RimLoop& loop : loops) {
-    Beginnings choice(mesh.vertices(loop, Eigen::all), out.empty() ? std::nullopt : std::optional(out[0].backwards));
+    CanonicalStarts choice(mesh.vertices(loop, Eigen::all), out.empty() ? std::nullopt : std::optional(out[0].backwards));
     choice.compare_along();
     const Index most = max_compared / static_cast<Index>(loop.size());
     const auto compare_with_rings = [&](Index rings) {
@@ -140,9 +140,10 @@ std::vector<Beginning> beginnings_of(const Mesh& mesh, const Connectivity& aroun
       else if (rings > near_rings)
         compare_with_rings(rings);
     }
-    out.push_back(*std::min_element(choice.left().begin(), choice.left().end(), [&](const Beginning& a, const Beginning& b) {
-      return std::pair(loop[a.place], a.backwards) < std::pair(loop[b.place], b.backwards);
-    }));
+    out.push_back(
+        *std::min_element(choice.left().begin(), choice.left().end(), [&](const CanonicalStart& a, const CanonicalStart& b) {
+          return std::pair(loop[a.place], a.backwards) < std::pair(loop[b.place], b.backwards);
+        }));
   }
   return out;
 }
@@ -151,7 +152,7 @@ std::vector<Beginning> beginnings_of(const Mesh& mesh, const Connectivity& aroun
 
 CanonicalPart canonical_part(const Mesh& mesh, const Connectivity& around, const std::vector<RimLoop>& loops,
                              const std::vector<Index>& some) {
-  const std::vector<Beginning> begun = beginnings_of(mesh, around, loops, some);
+  const std::vector<CanonicalStart> begun = beginnings_of(mesh, around, loops, some);
   CanonicalPart part;
   part.mirrored = begun[0].backwards;
   std::vector<std::size_t> order(loops.size());  // islands by their length

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
 

@@ -8,7 +8,7 @@
 #include "tripatch/estimate/corner_planes.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/patch/moved_surface.h"
-#include "tripatch/spline/met_points.h"
+#include "tripatch/spline/hermite_correction.h"
 #include "tripatch/spline/plane_patch.h"
 
 namespace tripatch {
@@ -36,7 +36,7 @@ void lean(const VertexPlanes& planes, Fill& fill) {
       if (!wanted.row(k).isZero(0)) fill.rim_normals.row(k) = wanted.row(k);
     return;
   }
-  const auto more = std::make_shared<MetPoints>(*patch, fill.rim_uv, PlanePoints(0, 2), std::vector<Through>(), wanted);
+  const auto more = std::make_shared<HermiteCorrection>(*patch, fill.rim_uv, PlanePoints(0, 2), std::vector<Through>(), wanted);
   const SurfacePtr leaned = sum(patch->surface(), more);
   fill.patch = std::make_shared<PlanePatch>(leaned, patch->rim());
   fill.rim_normals = leaned->normals(as_rows(fill.rim_uv));

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "tripatch/math/angle.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/messages.h"
 #include "tripatch/quads/quad_layout.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "tripatch/math/parallel.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/math/triangular_grid.h"
 #include "tripatch/output/domain_mesh.h"
 

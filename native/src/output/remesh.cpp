@@ -12,7 +12,7 @@
 #include <set>
 
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/output/domain_mesh.h"
 
 namespace tripatch {

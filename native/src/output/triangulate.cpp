@@ -11,9 +11,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "tripatch/math/beginning.h"
+#include "tripatch/math/canonical_start.h"
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/math/triangular_grid.h"
 #include "tripatch/output/domain_mesh.h"
 #include "tripatch/output/regular_grid.h"
@@ -337,7 +337,7 @@ public:
   CornerOrder(const Parameters& parameters, const Points& rim, const Surface& patch) : n_(rim.rows()) {
     std::vector<Index> corner = {0};
     for (int side : {2, 0}) corner.push_back(corner.back() + static_cast<Index>(parameters[side].size()) - 1);
-    Beginnings beginnings(patch.positions(rim), {}, corner);
+    CanonicalStarts beginnings(patch.positions(rim), {}, corner);
     beginnings.compare_along();
     if (!beginnings.decided())
       beginnings.compare_with(
@@ -345,7 +345,7 @@ public:
     first_ = beginnings.left()[0];
     const Index start = std::find(corner.begin(), corner.end(), first_.place) - corner.begin();
     for (int i = 0; i < 3; ++i) {
-      corner_[i] = static_cast<int>(Beginning{start, first_.backwards}.at(i, 3));
+      corner_[i] = static_cast<int>(CanonicalStart{start, first_.backwards}.at(i, 3));
       parameters_[i] = parameters[corner_[i]];
       if (!first_.backwards) continue;
       std::reverse(parameters_[i].begin(), parameters_[i].end());
@@ -374,7 +374,7 @@ public:
 
 private:
   Index n_;
-  Beginning first_;
+  CanonicalStart first_;
   std::array<int, 3> corner_{};  // that is given, of each in this order
   Parameters parameters_;
 };

@@ -7,8 +7,8 @@
 
 #include "tripatch/boundary/smoothed.h"
 #include "tripatch/math/angle.h"
-#include "tripatch/math/kept.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/lru_cache.h"
 #include "tripatch/messages.h"
 #include "tripatch/patch/seam.h"
 #include "tripatch/polygon/joined.h"
@@ -233,7 +233,7 @@ constexpr std::size_t kept_patches = 4;
 PolygonPatch made_or_kept(const SideList& sides, const PolygonPatchOptions& options, const Asked& asked,
                           const std::vector<double>& bulge, const std::vector<InnerPoint>& through,
                           const std::shared_ptr<KnownAtNodes>& known = {}) {
-  static Kept<PolygonPatch> last(kept_patches);
+  static LruCache<PolygonPatch> last(kept_patches);
   Key key;
   for (const Side& side : sides) {
     for (const PiecewisePolynomial& field : {side.c, side.r, side.q}) key.add(field);
@@ -264,7 +264,7 @@ PolygonPatch polygon_patch(const SideList& given, const PolygonPatchOptions& opt
   check_shape_options(options.fairing.has_value(), options.tension, options.center.has_value(), options.center_offset);
   const Asked wanted = asked(each(options.continuity, n, SideContinuity::automatic, "continuity"), sides);
   const SideList surroundings = sides;
-  sides = told_by_rim(std::move(sides), wanted.tangent);
+  sides = planes_from_rim(std::move(sides), wanted.tangent);
   const std::vector<double> bulge = each(options.bulge, n, 1.0, "bulge");
   const Vec2 center = (options.domain ? *options.domain : polygon_boundary(sides).domain).center();
   std::vector<InnerPoint> through;

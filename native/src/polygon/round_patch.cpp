@@ -9,8 +9,8 @@
 #include "tripatch/math/linear.h"
 #include "tripatch/messages.h"
 #include "tripatch/polygon/joined.h"
-#include "tripatch/polygon/revolved.h"
 #include "tripatch/polygon/round_problem.h"
+#include "tripatch/polygon/surface_of_revolution.h"
 
 namespace tripatch {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "tripatch/math/kept.h"
+#include "tripatch/math/lru_cache.h"
 #include "tripatch/math/quadrature.h"
 #include "tripatch/patch/side_weights.h"
 
@@ -156,7 +156,7 @@ PolygonSpace::PolygonSpace(const PolygonDomain& domain, PolygonQuadrature quadra
 
 std::shared_ptr<const PolygonSpace> polygon_space(const PolygonDomain& domain, int degree, int second_cross, int slopes,
                                                   int nodes) {
-  static Kept<PolygonSpace> last(kept_spaces);
+  static LruCache<PolygonSpace> last(kept_spaces);
   Key key;
   for (int number : {degree, second_cross, slopes, nodes}) key.add(number);
   key.add(domain.height());

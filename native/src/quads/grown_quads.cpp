@@ -7,8 +7,8 @@
 #include <cstdlib>
 
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/kept.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/lru_cache.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/quads/quad_growth.h"
 
 namespace tripatch {
@@ -54,7 +54,7 @@ struct GrownCandidate {
 };
 
 /// Numbers that are strewn evenly, and in no order, below others.
-class Strewn {
+class LowDiscrepancy {
 public:
   std::size_t next(std::size_t below) {
     constexpr std::uint64_t golden = 0x9e3779b97f4a7c15;  // of the whole range: multiples of the golden ratio
@@ -118,7 +118,7 @@ private:
     const bool strewn = ways * a_way > static_cast<double>(until - work_);
     std::vector<std::size_t> chosen(static_cast<std::size_t>(planned));
     for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] = k;
-    Strewn strewn_places;
+    LowDiscrepancy strewn_places;
     std::vector<PlannedPole> plan;
     while (work_ < until && candidates_.size() < max_embedded) {
       if (strewn) {
@@ -145,7 +145,7 @@ private:
   bool is_odd() const { return rim_.rows() % 2 != 0; }
 
   /// Of an odd rim one edge gets a triangle: a quad with a corner amid the edge. Any edge is tried, or one that is strewn.
-  void grow_with_triangle(const std::vector<PlannedPole>& plan, bool strewn, Strewn& places) {
+  void grow_with_triangle(const std::vector<PlannedPole>& plan, bool strewn, LowDiscrepancy& places) {
     if (!is_odd()) return grow(plan, {});
     const std::size_t count = static_cast<std::size_t>(rim_.rows());
     if (strewn) return grow(plan, places.next(count));
@@ -256,7 +256,7 @@ constexpr std::size_t kept_layouts_grown = 6;
 
 std::optional<PlaneLayout> grown_quads(const PlanePoints& rim, const std::vector<int>& wanted) {
   if (rim.rows() < 3 || rim.rows() > max_edges) return {};
-  static Kept<std::optional<PlaneLayout>> last(kept_layouts_grown);
+  static LruCache<std::optional<PlaneLayout>> last(kept_layouts_grown);
   Key key;
   for (const int quads : wanted) key.add(quads);
   for (Index k = 0; k < rim.rows(); ++k) key.add(rim.row(k));

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <optional>
 
-#include "tripatch/math/kept.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/lru_cache.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/quads/quad_builder.h"
 
 namespace tripatch {
@@ -429,7 +429,7 @@ constexpr std::size_t kept_layouts = 6;
 }  // namespace
 
 PlaneLayout polygon_layout(const PlanePoints& rim, const std::vector<RimCorner>& corners, int rows) {
-  static Kept<Chosen> last(kept_layouts);
+  static LruCache<Chosen> last(kept_layouts);
   const int tried = std::min(rows, max_rows_of_trials);
   Key key;
   key.add(tried);

@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/machines.h"
+#include "tripatch/math/simd.h"
 #include "tripatch/math/sparse_ldlt.h"
 
 namespace tripatch {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "tripatch/math/angle.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
 namespace {

@@ -11,7 +11,7 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/parallel.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/math/unit_vector.h"
 #include "tripatch/mesh/vertex_normals.h"
 
@@ -85,8 +85,9 @@ bool turns_from_those_around(const Mesh& mesh, const Connectivity& around, Index
 
 }  // namespace
 
-std::vector<FaceBeyond> faces_beyond(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
-  std::vector<FaceBeyond> out;
+std::vector<AdjacentFace> faces_beyond(const Mesh& mesh, const Connectivity& around,
+                                       const std::vector<std::vector<Index>>& loops) {
+  std::vector<AdjacentFace> out;
   for (const std::vector<Index>& loop : loops)
     for (std::size_t k = 0; k < loop.size(); ++k) {
       const Index from = loop[k], to = loop[(k + 1) % loop.size()];
@@ -96,9 +97,9 @@ std::vector<FaceBeyond> faces_beyond(const Mesh& mesh, const Connectivity& aroun
   return out;
 }
 
-std::vector<FaceBeyond> faces_beyond_rows(const Mesh& mesh, const Connectivity& around,
-                                          const std::vector<std::vector<Index>>& loops) {
-  std::vector<FaceBeyond> out = faces_beyond(mesh, around, loops);
+std::vector<AdjacentFace> faces_beyond_rows(const Mesh& mesh, const Connectivity& around,
+                                            const std::vector<std::vector<Index>>& loops) {
+  std::vector<AdjacentFace> out = faces_beyond(mesh, around, loops);
   Index first = 0;
   for (const std::vector<Index>& loop : loops) {
     const Index n = static_cast<Index>(loop.size());
@@ -111,7 +112,7 @@ std::vector<FaceBeyond> faces_beyond_rows(const Mesh& mesh, const Connectivity& 
   return out;
 }
 
-std::vector<char> turned_over(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
+std::vector<char> flipped(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
   std::vector<char> out;
   for (const std::vector<Index>& loop : loops)
     for (std::size_t k = 0; k < loop.size(); ++k) {
@@ -148,14 +149,14 @@ void begin_at_shorter_diagonals(const PointsRef& vertices, const PointsRef& adde
   }
 }
 
-EdgesByVertex edges_of_triangles(Index of_mesh, Index own, const Faces& faces, std::span<const FaceBeyond> beyond) {
+EdgesByVertex edges_of_triangles(Index of_mesh, Index own, const Faces& faces, std::span<const AdjacentFace> beyond) {
   EdgesByVertex edges(of_mesh, own, static_cast<Index>(faces.corners.size()));
   for_triangles(faces, [&](Index a, Index b, Index c) {
     edges.count(a, b);
     edges.count(b, c);
     edges.count(c, a);
   });
-  for (const FaceBeyond& face : beyond) edges.count(face.from, face.to);
+  for (const AdjacentFace& face : beyond) edges.count(face.from, face.to);
   edges.counted();
   std::size_t two = 0;  // of a triangle
   const auto add = [&](Index from, Index to) { edges.add(from, to, two + (from < to ? 1 : 0)); };
@@ -165,21 +166,22 @@ EdgesByVertex edges_of_triangles(Index of_mesh, Index own, const Faces& faces, s
     add(c, a);
     two += 2;
   });
-  for (const FaceBeyond& face : beyond) {
+  for (const AdjacentFace& face : beyond) {
     add(face.from, face.to);
     two += 2;
   }
   return edges;
 }
 
-bool surely_unfolded(const PointsRef& vertices, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond) {
+bool surely_unfolded(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
+                     std::span<const AdjacentFace> beyond) {
   const Places at(vertices, added);
   if (beyond.empty()) return false;
   const Vec3 origin = at(beyond[0].from);
   Vec3 way = Vec3::Zero();
-  for (const FaceBeyond& face : beyond) way += (at(face.from) - origin).cross(at(face.to) - origin);
+  for (const AdjacentFace& face : beyond) way += (at(face.from) - origin).cross(at(face.to) - origin);
   way = unit_vector(way);
-  for (const FaceBeyond& face : beyond)
+  for (const AdjacentFace& face : beyond)
     if (!face.normal.isZero(0)) {
       if (face.normal.dot(way) < 0) way = -way;
       break;
@@ -190,7 +192,7 @@ bool surely_unfolded(const PointsRef& vertices, const PointsRef& added, const Fa
     const double along = normal.dot(way);
     return along > 0 && along * along > least * normal.squaredNorm();
   };
-  for (const FaceBeyond& face : beyond)
+  for (const AdjacentFace& face : beyond)
     if (!face.normal.isZero(0) && !leans_little(face.normal)) return false;
   return holds_for_all(faces.size(), [&](Index f) {
     const Index *const corner = faces.corners.data() + faces.offsets[f], *const end = faces.corners.data() + faces.offsets[f + 1];
@@ -205,7 +207,7 @@ namespace {
 
 /// use(one vertex, the other) for each other triangle that is folded over the first along an edge. edges: as of count_folded_edges.
 template <class Use>
-void for_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,
+void for_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces, std::span<const AdjacentFace> beyond,
                       EdgesByVertex& edges, const Use& use) {
   const Places at(vertices, added);
   std::vector<Vec3> normals;
@@ -215,7 +217,7 @@ void for_folded_edges(const PointsRef& vertices, const PointsRef& added, const F
     normals.push_back(unit_vector((at(b) - first).cross(at(c) - first)));
   });
   const std::size_t own = normals.size();  // those beyond count only where one of these is
-  for (const FaceBeyond& face : beyond) normals.push_back(face.normal.stableNormalized());
+  for (const AdjacentFace& face : beyond) normals.push_back(face.normal.stableNormalized());
   const double cosine = std::cos(folded_degrees * std::numbers::pi / 180);
   edges.for_edges([&](Index high, std::span<const EdgeUse> along) {
     const std::size_t first = along[0].what / 2;
@@ -228,7 +230,7 @@ void for_folded_edges(const PointsRef& vertices, const PointsRef& added, const F
 }  // namespace
 
 Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
-                         std::span<const FaceBeyond> beyond, EdgesByVertex& edges) {
+                         std::span<const AdjacentFace> beyond, EdgesByVertex& edges) {
   if (surely_unfolded(vertices, added, faces, beyond)) return 0;
   Index count = 0;
   for_folded_edges(vertices, added, faces, beyond, edges, [&](Index, Index) { ++count; });
@@ -236,14 +238,14 @@ Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, cons
 }
 
 Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
-                         std::span<const FaceBeyond> beyond) {
+                         std::span<const AdjacentFace> beyond) {
   if (surely_unfolded(vertices, added, faces, beyond)) return 0;
   EdgesByVertex edges = edges_of_triangles(vertices.rows(), added.rows(), faces, beyond);
   return count_folded_edges(vertices, added, faces, beyond, edges);
 }
 
 std::vector<std::array<Index, 2>> folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
-                                               std::span<const FaceBeyond> beyond) {
+                                               std::span<const AdjacentFace> beyond) {
   Faces cut = faces;
   begin_at_shorter_diagonals(vertices, added, cut);
   EdgesByVertex edges = edges_of_triangles(vertices.rows(), added.rows(), cut, beyond);

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "tripatch/math/angle.h"
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/messages.h"
 #include "tripatch/patch/seam.h"
 #include "tripatch/report/crossings.h"
@@ -65,7 +65,7 @@ void tell_crossing(const PointsRef& vertices, const std::vector<Index>& rim, con
 }
 
 void tell_turned_over(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, Report& report) {
-  std::vector<char> turned = turned_over(mesh, around, {rim});
+  std::vector<char> turned = flipped(mesh, around, {rim});
   for (std::size_t k = 0; k < rim.size(); ++k)
     if (turned[k] && is_of_convex_body(mesh, around, around.face(*around.edge(rim[(k + 1) % rim.size()], rim[k])))) turned[k] = 0;
   const std::ptrdiff_t count = std::ranges::count(turned, 1), first = std::ranges::find(turned, 1) - turned.begin();
@@ -77,7 +77,7 @@ void tell_folds(Report& report) {
   if (report.folds > 0) report.warnings.push_back({Code::patch_folds, {{"places", report.folds}}});
 }
 
-void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,
+void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const AdjacentFace> beyond,
                    Report& report, std::vector<Index> border) {
   if (!border.empty() && surely_unfolded(mesh.vertices, added, faces, beyond)) {
     std::rotate(border.begin(), std::min_element(border.begin(), border.end()), border.end());  // wherever the rim was begun

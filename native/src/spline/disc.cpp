@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/spline/plane_triangles.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
 namespace {

@@ -34,7 +34,7 @@ PlanePoints on_tangent_planes(const Disc& disc, const std::vector<Index>& rows, 
 
 }  // namespace
 
-PlanePoints feet_on(const Surface& surface, const Points& points, PlanePoints uv) {
+PlanePoints closest_points(const Surface& surface, const Points& points, PlanePoints uv) {
   const double longest = longest_step_to_feet * (uv.colwise().maxCoeff() - uv.colwise().minCoeff()).maxCoeff();
   std::vector<double> jets(static_cast<std::size_t>(9 * uv.rows()));
   double most = longest;
@@ -65,16 +65,16 @@ std::vector<Index> fitted_rows(const Disc& disc, const std::vector<Index>& cente
 
 PlanePoints places_on(const Surface& surface, const PlanePoints& rim_uv, const Disc& disc, const std::vector<Index>& rows) {
   const PlanePoints first = on_tangent_planes(disc, rows, surface, rim_uv);
-  return first.allFinite() ? feet_on(surface, disc.points(rows, Eigen::all), first) : first;
+  return first.allFinite() ? closest_points(surface, disc.points(rows, Eigen::all), first) : first;
 }
 
-std::shared_ptr<const Field> field_through(const Points& points, const PlanePoints& uv, Index centers, double edge) {
+std::shared_ptr<const PolyharmonicSpline> field_through(const Points& points, const PlanePoints& uv, Index centers, double edge) {
   if (!uv.allFinite()) return {};
   FieldOptions fields;
   fields.unit = std::max(edge, 1e-300);
   fields.centers = centers;
   try {
-    return std::make_shared<Field>(uv, points, fields);
+    return std::make_shared<PolyharmonicSpline>(uv, points, fields);
   } catch (const InvalidArgument&) {  // places on a line
     return {};
   }

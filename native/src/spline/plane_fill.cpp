@@ -9,23 +9,23 @@
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/math/ties.h"
-#include "tripatch/mesh/coarsened.h"
+#include "tripatch/math/tolerant_compare.h"
+#include "tripatch/mesh/decimated.h"
 #include "tripatch/mesh/triangles.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/domain_mesh.h"
 #include "tripatch/output/remesh.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
+#include "tripatch/spline/base_surface.h"
 #include "tripatch/spline/disc.h"
 #include "tripatch/spline/field_around.h"
-#include "tripatch/spline/layout.h"
-#include "tripatch/spline/least_bent.h"
-#include "tripatch/spline/met_points.h"
+#include "tripatch/spline/hermite_correction.h"
+#include "tripatch/spline/min_weight_triangulation.h"
+#include "tripatch/spline/minimize_bending.h"
+#include "tripatch/spline/parametrization.h"
 #include "tripatch/spline/plane_triangles.h"
-#include "tripatch/spline/reference.h"
-#include "tripatch/spline/rough_fill.h"
-#include "tripatch/spline/unfold.h"
+#include "tripatch/spline/untangle.h"
 
 namespace tripatch {
 namespace {
@@ -118,14 +118,14 @@ struct Rim {
   Triangles rough;
   Triangles rough_faces;
   RimSurroundings surroundings;
-  std::vector<FaceBeyond> beyond;
+  std::vector<AdjacentFace> beyond;
   std::vector<Through> through;  // what shall be met inside
   Index folds = 0;               // so many a fill may have
   Index own_folds = 0;           // of its own triangles, which do not cross themselves: those of triangles that do may be fewer
-  std::vector<FaceBeyond> turned_over;  // those beyond that nothing folds over, as they are
-  Index folds_of_plain = 0;             // between the triangles of plain() alone, not over the faces beyond
-  bool doubles_edges = false;           // of the mesh, which the rough triangles do
-  bool may_cross = false;               // its fill itself, for plain() does too
+  std::vector<AdjacentFace> flipped;  // those beyond that nothing folds over, as they are
+  Index folds_of_plain = 0;           // between the triangles of plain() alone, not over the faces beyond
+  bool doubles_edges = false;         // of the mesh, which the rough triangles do
+  bool may_cross = false;             // its fill itself, for plain() does too
   double edge = 0, diameter = 0, area = 0;
   double of_hole = 0;  // the diameter of the hole that this is the rim of a part of, or less
 };
@@ -141,7 +141,7 @@ double area_of(const Points& p, const Triangles& triangles) {
   return area;
 }
 
-Index folded_edges(const Points& p, const Triangles& triangles, std::span<const FaceBeyond> beyond) {
+Index folded_edges(const Points& p, const Triangles& triangles, std::span<const AdjacentFace> beyond) {
   return count_folded_edges(p, Points(0, 3), faces_of(triangles), beyond);
 }
 
@@ -163,13 +163,13 @@ Rim rim_of(const Mesh& mesh, const Connectivity& around, const std::vector<std::
   }
   std::sort(row.begin(), row.end());
   rim.beyond = faces_beyond_rows(mesh, around, loops);
-  const std::vector<char> turned = turned_over(mesh, around, loops);
+  const std::vector<char> turned = flipped(mesh, around, loops);
   Index k = 0;
   for (const std::vector<Index>& loop : loops)
     for (std::size_t i = 0; i < loop.size(); ++i, ++k) {
       rim.surroundings.normals.row(k) = rim.beyond[k].normal;
       if (turned[k]) {  // a fill that continues as the others do cannot but fold there
-        rim.turned_over.push_back(rim.beyond[k]);
+        rim.flipped.push_back(rim.beyond[k]);
         rim.beyond[k].normal.setZero();
       }
       const Index a = loop[i], b = loop[(i + 1) % loop.size()];
@@ -255,7 +255,7 @@ bool stay(const Points& points, const Rim& rim) {
 }
 
 /// The surface at the middles of some triangles and of their edges: a look at it before it is triangulated.
-Points looked_at(const Field& field, const PlanePoints& uv, const Triangles& triangles) {
+Points looked_at(const PolyharmonicSpline& field, const PlanePoints& uv, const Triangles& triangles) {
   Points rows = Points::Zero(4 * static_cast<Index>(triangles.size()), 3);
   Index row = 0;
   for (const std::array<Index, 3>& t : triangles) {
@@ -286,9 +286,9 @@ std::optional<PlanePoints> seen_from_above(const Disc& disc, const Rim& rim) {
 
 /// One try: the surroundings laid out with what fills the hole so far, the field over them, and the hole triangulated.
 struct Attempt {
-  std::shared_ptr<const Field> field;
+  std::shared_ptr<const PolyharmonicSpline> field;
   SurfacePtr surface;  // the field, its average with a second model, or that which meets points inside
-  std::shared_ptr<const MetPoints> met;
+  std::shared_ptr<const HermiteCorrection> met;
   PlanePoints met_uv = PlanePoints(0, 2);
   PlanePoints rim_uv;
   PlaneTriangulation made;
@@ -320,7 +320,7 @@ std::optional<PlanePoints> laid_out(const Disc& disc, const Rim& rim, const Atte
   triangles.insert(triangles.end(), disc.triangles.begin(), disc.triangles.end());
   PlaneLayoutOptions options;
   options.tolerance = layout_tolerance;
-  const std::optional<Layout> layout = lay_out(points, triangles, options);
+  const std::optional<Parametrization> layout = parametrize(points, triangles, options);
   if (!layout || layout->energies.back() > max_deformed) return {};
   return PlanePoints(layout->uv.topRows(n));
 }
@@ -339,7 +339,7 @@ PlanePolygon polygon_of(const Rim& rim, const PlanePoints& uv) {
 /// The surface through points inside, where it comes nearest to them.
 void meet(const std::vector<Through>& through, const Points& planes, const PlanePolygon& polygon, Attempt& result) {
   result.met_uv = nearest_places(*result.field, polygon.uv, polygon.triangles, through);
-  result.met = std::make_shared<MetPoints>(*result.field, result.rim_uv, result.met_uv, through, planes);
+  result.met = std::make_shared<HermiteCorrection>(*result.field, result.rim_uv, result.met_uv, through, planes);
   result.surface = sum(result.field, result.met);
 }
 
@@ -373,14 +373,14 @@ struct Places {
 };
 
 /// sampled: the samples begin with the rim, all of it.
-Places on_reference(const Reference& reference, const Places& places, const Points& samples, const Points& rim, bool sampled) {
+Places on_reference(const BaseSurface& reference, const Places& places, const Points& samples, const Points& rim, bool sampled) {
   PlanePoints feet = reference.foot_points(places.samples, samples);
   PlanePoints of_rim = sampled ? PlanePoints(feet.topRows(rim.rows())) : reference.foot_points(places.rim, rim);
   return {std::move(feet), std::move(of_rim)};
 }
 
 /// The places laid out, their feet on a reference, and those on further ones, of which the last that will do are taken.
-std::vector<Places> places_to_try(const Disc& disc, const Reference& reference, const Places& laid, const Points& samples,
+std::vector<Places> places_to_try(const Disc& disc, const BaseSurface& reference, const Places& laid, const Points& samples,
                                   bool further) {
   const Points rim = disc.points.topRows(disc.rim);
   const bool sampled =
@@ -389,7 +389,7 @@ std::vector<Places> places_to_try(const Disc& disc, const Reference& reference, 
   if (!further || !places.back().finite()) return places;
   Places feet = places.back();
   for (int degree : further_degrees)
-    if (feet.finite()) feet = on_reference(Reference(feet.samples, samples, degree), feet, samples, rim, sampled);
+    if (feet.finite()) feet = on_reference(BaseSurface(feet.samples, samples, degree), feet, samples, rim, sampled);
   places.push_back(std::move(feet));
   return places;
 }
@@ -413,9 +413,9 @@ std::optional<Attempt> attempt(const Disc& disc, const Rim& rim, const std::vect
   const Points at = rows_of(with_points_on_edges(disc, disc.points), known);
   const PlanePoints laid = rows_of(places_laid, known);
   // The stiffest polynomial that the samples allow: where the freer one leaves out details of the mesh they pull the stiff one about.
-  const Reference free(laid, at, free_degree);
+  const BaseSurface free(laid, at, free_degree);
   const bool details = free.distance_across() > detail * rim.edge;
-  const Reference reference = details ? free : Reference(laid, at, stiff_degree);
+  const BaseSurface reference = details ? free : BaseSurface(laid, at, stiff_degree);
   std::vector<Places> places = {{laid, uv->topRows(disc.rim)}};
   if (!from_above)  // that is as smooth as the surface already
     places = places_to_try(disc, reference, places[0], at, details && !before && takes_further(disc, rim));
@@ -427,7 +427,7 @@ std::optional<Attempt> attempt(const Disc& disc, const Rim& rim, const std::vect
     PlanePolygon polygon = polygon_of(rim, result.rim_uv);
     if (polygon.triangles.empty() || !places.back().finite()) continue;
     try {
-      result.surface = result.field = std::make_shared<Field>(places.back().samples, at, fields);
+      result.surface = result.field = std::make_shared<PolyharmonicSpline>(places.back().samples, at, fields);
     } catch (const InvalidArgument&) {  // places on a line, as of a slit whose two edges lie on each other
       continue;
     }
@@ -452,12 +452,12 @@ std::vector<Index> rows_of_difference(Index all) {
 }
 
 /// Nothing where the places lie on a line, or numbers are beyond all measure.
-std::shared_ptr<const Field> field_of_difference(const PlanePoints& places, const Points& difference, double unit) {
+std::shared_ptr<const PolyharmonicSpline> field_of_difference(const PlanePoints& places, const Points& difference, double unit) {
   FieldOptions fields;
   fields.orders = {order_of_difference};
   fields.unit = std::max(unit, 1e-300);
   try {
-    return std::make_shared<Field>(places, difference, fields);
+    return std::make_shared<PolyharmonicSpline>(places, difference, fields);
   } catch (const InvalidArgument&) {
     return {};
   }
@@ -499,11 +499,11 @@ bool take_second(const Rim& rim, const SecondModel& second, double share, Attemp
 
 /// Folds that a fill may have: the rim's own, and one for each face that is turned over and that it does not fold over.
 Index max_folds(const Rim& rim, const Attempt& result) {
-  if (rim.turned_over.empty()) return rim.folds;
+  if (rim.flipped.empty()) return rim.folds;
   const Points& points = result.made.points;
   const Triangles& triangles = result.made.triangles;
-  const Index over_turned = folded_edges(points, triangles, rim.turned_over) - folded_edges(points, triangles, {});
-  return rim.folds + static_cast<Index>(rim.turned_over.size()) - over_turned;
+  const Index over_turned = folded_edges(points, triangles, rim.flipped) - folded_edges(points, triangles, {});
+  return rim.folds + static_cast<Index>(rim.flipped.size()) - over_turned;
 }
 
 /// The average with the second model where the surroundings are rough: with one that keeps the planes next to the rim, or, where that
@@ -611,12 +611,12 @@ Index unfolded(const Rim& rim, Attempt& result) {
   const Index most = max_folds(rim, result);
   if (folds > most && is_past_mending(folds, made.triangles.size())) return folds;
   for (const Index allowed : {Index{0}, most}) {
-    Index left = unfold(made.points, made.triangles, r, allowed, rim.beyond);
+    Index left = untangle(made.points, made.triangles, r, allowed, rim.beyond);
     if (left <= allowed) return left;
     if (allowed < most) continue;
     std::vector<std::array<Index, 3>> flipped = made.triangles;
     left = flip_folded(made.points, flipped, rim.surroundings.joined, allowed, rim.beyond);
-    if (left > allowed) left = unfold(made.points, flipped, r, allowed, rim.beyond);
+    if (left > allowed) left = untangle(made.points, flipped, r, allowed, rim.beyond);
     if (left > allowed) return left;
     made.triangles = std::move(flipped);
     return left;
@@ -734,7 +734,7 @@ PlaneFill completed(const Attempt& result, const Rim& rim, const Disc& disc) {
   fill.fed_back = result.fed_back;
   fill.surroundings_error = std::atan(near_rim / std::max(rim.edge, 1e-300)) * 180 / std::numbers::pi;
   fill.folds = folded_edges(result.made.points, fill.triangles, rim.beyond);
-  fill.rim_folds = rim.own_folds + static_cast<Index>(rim.turned_over.size());
+  fill.rim_folds = rim.own_folds + static_cast<Index>(rim.flipped.size());
   fill.rings = disc.rings;
   fill.doubles_edges = result.made.doubles_edges;
   return fill;
@@ -747,7 +747,7 @@ PlaneFill plain(const Rim& rim, bool are_first) {
   PlaneFill fill;
   fill.triangles = rim.rough;
   fill.folds = rim.own_folds;
-  fill.rim_folds = rim.own_folds + static_cast<Index>(rim.turned_over.size());
+  fill.rim_folds = rim.own_folds + static_cast<Index>(rim.flipped.size());
   fill.doubles_edges = rim.doubles_edges;
   const bool crossed = crosses_itself(rim.points, rim.rough);
   const bool serves = (are_first || fill.folds == 0) && folded_edges(rim.points, rim.rough, {}) == 0 && !crossed;
@@ -941,7 +941,7 @@ struct CoarseHole {
 
 /// loops: that the disc has all the vertices of.
 CoarseHole coarse_hole(const Disc& disc, const std::vector<std::vector<Index>>& loops, double length) {
-  const CoarserMesh coarse = coarsened(disc.points, disc.triangles, length);
+  const CoarserMesh coarse = decimated(disc.points, disc.triangles, length);
   CoarseHole hole{disc.points(coarse.kept, Eigen::all), faces_of(coarse.triangles), {}, {}, coarse.kept};
   Index end = 0;
   for (const std::vector<Index>& loop : loops) {
@@ -994,7 +994,8 @@ PlanePoints between_known(const Rim& rim, const std::vector<Index>& known, const
 
 /// A long rim's fill on a field found otherwise. Nothing where triangles on it will not do.
 std::optional<PlaneFill> on_field(const Disc& disc, const Rim& rim, const PlaneFillOptions& options,
-                                  const std::shared_ptr<const Field>& field, const PlanePoints& rim_uv, double fed_back) {
+                                  const std::shared_ptr<const PolyharmonicSpline>& field, const PlanePoints& rim_uv,
+                                  double fed_back) {
   Attempt result;
   result.surface = result.field = field;
   result.fed_back = fed_back;
@@ -1033,7 +1034,7 @@ std::optional<PlaneFill> on_coarser_rim(const Mesh& mesh, const Connectivity& ar
   const Mesh coarse{hole.vertices, hole.faces};
   const PlaneFill from = fill_over_plane(coarse, Connectivity(coarse), hole.loops);
   if (!from.field || from.plainer) return {};
-  const PlanePoints rim_uv = feet_on(*from.surface, rim.points, between_known(rim, hole.rows, from.rim_uv));
+  const PlanePoints rim_uv = closest_points(*from.surface, rim.points, between_known(rim, hole.rows, from.rim_uv));
   const bool is_met = from.field->noise() < met_noise * length;
   const std::vector<Index> centers = spread_samples(disc, hole, length, is_met ? max_samples : max_centers);
   const std::vector<Index> rows = is_met ? centers : fitted_rows(disc, centers);
@@ -1050,8 +1051,8 @@ std::optional<PlaneFill> on_coarser_rim(const Mesh& mesh, const Connectivity& ar
 
 Index folds_of_rim(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
   const Rim rim = rim_of(mesh, around, loops);
-  const Index turned_over = static_cast<Index>(rim.turned_over.size());
-  return folded_edges(rim.points, rough_fill(rim.points, rim.surroundings).triangles, rim.beyond) + turned_over;
+  const Index flipped = static_cast<Index>(rim.flipped.size());
+  return folded_edges(rim.points, min_weight_triangulation(rim.points, rim.surroundings).triangles, rim.beyond) + flipped;
 }
 
 PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
@@ -1060,7 +1061,7 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
   rim.through = options.through;
   rim.of_hole = options.size;
   rim.surroundings.joined.insert(rim.surroundings.joined.end(), options.joined.begin(), options.joined.end());
-  const RoughFill rough = rough_fill(rim.points, rim.surroundings);
+  const RoughFill rough = min_weight_triangulation(rim.points, rim.surroundings);
   rim.rough = rough.triangles;
   rim.folds = rim.own_folds = folded_edges(rim.points, rim.rough, rim.beyond);
   if (!rough.crossing.empty()) rim.folds = std::min(rim.folds, folded_edges(rim.points, rough.crossing, rim.beyond));

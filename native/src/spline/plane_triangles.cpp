@@ -3,9 +3,9 @@
 #include <Eigen/Geometry>
 #include <utility>
 
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/spline/ear_clipping.h"
-#include "tripatch/spline/rough_fill.h"
+#include "tripatch/spline/min_weight_triangulation.h"
 
 namespace tripatch {
 namespace {
@@ -46,7 +46,7 @@ Triangles triangulate_polygon(const PlanePoints& uv, const std::vector<Index>& i
   flat.leftCols(2) = uv;
   RimSurroundings in_plane;
   in_plane.islands = islands;
-  Triangles triangles = rough_fill(flat, in_plane).triangles;
+  Triangles triangles = min_weight_triangulation(flat, in_plane).triangles;
   if (all_positive(uv, triangles)) return triangles;
   return islands.empty() ? cut_ears(uv) : Triangles();
 }

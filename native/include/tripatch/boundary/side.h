@@ -35,8 +35,8 @@ Side moved_ends(Side side, const Vec3& start, const Vec3& end);
 /// they run as these alone tell, not as the faces next to them bend. Their planes are spanned by what the rim itself says: at a corner
 /// the plane of a neighbor that is continued, else that of the two sides' tangents; in between they turn evenly from one to the other.
 /// No curvature across them is known. The others stay as they are, bit for bit.
-std::vector<Side> told_by_rim(std::vector<Side> sides, const std::vector<bool>& continued);
-Sides told_by_rim(const Sides& sides, const std::array<bool, 3>& continued);
+std::vector<Side> planes_from_rim(std::vector<Side> sides, const std::vector<bool>& continued);
+Sides planes_from_rim(const Sides& sides, const std::array<bool, 3>& continued);
 
 /// Of the size: ends that are nearer count as one point, and are made one. What coordinates in single precision, as files and Blender
 /// have them, leave of a common point with some digits to spare.

@@ -17,15 +17,15 @@
 
 namespace tripatch {
 
-struct FaceBeyond;
+struct AdjacentFace;
 
 /// What fills of one hole are compared by, in this order; less is better.
 struct Quality {
-  bool crosses = false;       ///< itself
-  Index folds = 0;            ///< folded edges beyond those that the boundary forces
-  bool leaves_hole = false;   ///< farther from the boundary than its diameter
-  double expected_error = 0;  ///< how far off the new vertices are expected to be, scene units
-  double seam_deg = 0;        ///< largest seam angle: reported, not compared
+  bool crosses = false;              ///< itself
+  Index folds = 0;                   ///< folded edges beyond those that the boundary forces
+  bool exceeds_hole_bounds = false;  ///< farther from the boundary than its diameter
+  double expected_error = 0;         ///< how far off the new vertices are expected to be, scene units
+  double seam_deg = 0;               ///< largest seam angle: reported, not compared
 };
 
 enum class CandidateStatus { used, made, skipped, refused };
@@ -114,7 +114,7 @@ void tell_corners(Report& report);
 void tell_gap(double size, Report& report);
 /// What speaks against the faces that are delivered: vertices beyond those of the mesh are rows of `added`. border: of triangles which
 /// are known to make a disc, its vertices as they go along it.
-void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const FaceBeyond> beyond,
+void measure_faces(const Mesh& mesh, const PointsRef& added, const Faces& faces, std::span<const AdjacentFace> beyond,
                    Report& report, std::vector<Index> border = {});
 /// Where faces so measured go through each other; none: nowhere.
 std::optional<Vec3> place_of_crossing(const Mesh& mesh, const PointsRef& added, const Faces& faces);

@@ -5,7 +5,7 @@
 
 #include "tripatch/boundary/side.h"
 #include "tripatch/boundary/vertex_planes.h"
-#include "tripatch/math/beginning.h"
+#include "tripatch/math/canonical_start.h"
 #include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
@@ -25,6 +25,6 @@ void mend_planes(ClosedSide& closed);
 
 /// Where a closed rim begins and which way it is read, whatever vertex it is given from: what closing splines and nodes of quadratures
 /// differ by is enlarged by flat valleys of the energy.
-Beginning beginning_of_closed(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
+CanonicalStart beginning_of_closed(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
 
 }  // namespace tripatch

@@ -31,7 +31,7 @@ struct ClosedCage {
 /// replaced: faces in the holes, which are left out.
 ClosedCage close_holes(const Mesh& mesh, const std::vector<CageHole>& holes, const std::vector<Index>& replaced);
 
-/// Kept faces around a hole by ring, in their order: those that touch the rim, and those that touch them. whole: of the cage.
+/// LruCache faces around a hole by ring, in their order: those that touch the rim, and those that touch them. whole: of the cage.
 std::array<std::vector<Index>, 2> rings_around(const ClosedCage& cage, const Connectivity& whole, const SidedRim& hole);
 
 struct FaceEdge {

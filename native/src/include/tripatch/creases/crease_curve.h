@@ -1,5 +1,5 @@
 // The curve on which a crease continues across a hole: a Gaussian process along it through the vertices that the crease has on both
-// sides, or near them where they are noisy. The same as Field in one dimension: polynomials of a degree below the order m are free,
+// sides, or near them where they are noisy. The same as PolyharmonicSpline in one dimension: polynomials of a degree below the order m are free,
 // the covariance is (-1)^m |t|^(2m-1) (Wahba 1990), order and nugget by restricted likelihood.
 #pragma once
 

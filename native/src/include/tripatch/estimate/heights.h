@@ -16,13 +16,13 @@ constexpr int fit_terms = 21;
 constexpr int place_of(int degree, int j) { return degree * (degree + 1) / 2 + j; }
 
 /// Eight points over a frame, in the units of the local mesh; where fewer are left the rest are nothing and have no share.
-struct EightHeights {
+struct SampleBlock {
   std::array<double, 8> x, y, z;   ///< place and height
   std::array<double, 8> share, g;  ///< weight by place, radius^(2 degree + 2)
 };
 
 /// Heights over a frame whose origin they are given about, in x, y and z; sets g.
-void lay_over(const Vec3& along, const Vec3& across, const Vec3& up, std::vector<EightHeights>& heights);
+void lay_over(const Vec3& along, const Vec3& across, const Vec3& up, std::vector<SampleBlock>& heights);
 
 /// Of a height: noise, and over radius^(2 degree + 2) what the polynomial leaves out.
 struct HeightVariances {
@@ -30,19 +30,19 @@ struct HeightVariances {
 };
 
 /// Room for sums over many heights.
-struct HeightRoom {
+struct Workspace {
   std::vector<double> weight;  ///< share over variance, eight for each eight heights
   std::vector<double> powers;
 };
 
 /// The normal matrix of the monomials up to fit_degree in the first rows and columns of `out`, both triangles, and in column fit_terms what
 /// they make with the heights: sums of weights times products. Sets the weights.
-void sum_products(const std::vector<EightHeights>& heights, const HeightVariances& variances, HeightRoom& room, SquareOf24& out);
+void sum_products(const std::vector<SampleBlock>& heights, const HeightVariances& variances, Workspace& room, SquareOf24& out);
 
 /// Numbers by monomial, and three more.
 using ByMonomial = std::array<double, 24>;
 /// Sums of the monomials times weight and what a polynomial is above the heights. coefficients: of the monomials.
-void sum_residuals(const std::vector<EightHeights>& heights, const HeightRoom& room, const double* coefficients, ByMonomial& out);
+void sum_residuals(const std::vector<SampleBlock>& heights, const Workspace& room, const double* coefficients, ByMonomial& out);
 
 /// What noise and truncation explain of heights that a polynomial is fitted to.
 struct ExplainedHeights {
@@ -53,9 +53,8 @@ struct ExplainedHeights {
 /// Of the upper triangles r below, whose diagonals have these reciprocals.
 using Reciprocals = std::array<double, fit_terms>;
 /// r: the root of the normal matrix, r'r.
-ExplainedHeights explain_heights(const std::vector<EightHeights>& heights, const HeightVariances& variances,
-                                 const HeightRoom& room, const double* coefficients, const SquareOf24& r,
-                                 const Reciprocals& over);
+ExplainedHeights explain_heights(const std::vector<SampleBlock>& heights, const HeightVariances& variances, const Workspace& room,
+                                 const double* coefficients, const SquareOf24& r, const Reciprocals& over);
 /// The diagonal of (r'r)^-1.
 ByMonomial coefficient_variances(const SquareOf24& r, const Reciprocals& over);
 

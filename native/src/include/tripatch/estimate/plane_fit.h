@@ -18,11 +18,11 @@ struct Stencil {
   Vec3 e1, e2, e3;   ///< along the rim, outward, normal
   double depth = 1;  ///< of a row of faces, in edges: y is over it
   Index points = 0;
-  std::vector<EightHeights> heights;  ///< of the points, y over depth
-  double faces = 0;                   ///< slope across the rim of the faces next to it
-  double faces_noise = 0;             ///< its variance over that of the noise
-  double slope_noise = 1;             ///< of the rim's own direction: variance over that of the noise,
-  int slope_order = 4;                ///< and what its interpolation leaves out: (derivative of this degree x slope_truncation)
+  std::vector<SampleBlock> heights;  ///< of the points, y over depth
+  double faces = 0;                  ///< slope across the rim of the faces next to it
+  double faces_noise = 0;            ///< its variance over that of the noise
+  double slope_noise = 1;            ///< of the rim's own direction: variance over that of the noise,
+  int slope_order = 4;               ///< and what its interpolation leaves out: (derivative of this degree x slope_truncation)
   double slope_truncation = 0;
 };
 
@@ -43,7 +43,7 @@ struct PlaneFit {
 
 /// Room for fits that is used again and again, and what the last one leaves in it.
 struct FitRoom {
-  HeightRoom heights;
+  Workspace heights;
   RowsOf24 rows;
   std::vector<std::pair<double, Index>> order;
   /// r of the weighted x^i y^j and their prior = q r, in column fit_terms the heights likewise.

@@ -8,23 +8,23 @@
 
 #include "tripatch/cage/sided_rim.h"
 #include "tripatch/fill.h"
-#include "tripatch/fill/ground.h"
+#include "tripatch/fill/fill_context.h"
 
 namespace tripatch {
 
 /// Layouts, the fairest cages on them, patches between their sides, the cages fitted to these.
-std::vector<Fill> fill_with_cages(const Ground& ground, const std::vector<SidedRim>& holes, const FillOptions& options);
+std::vector<Fill> fill_with_cages(const FillContext& context, const std::vector<SidedRim>& holes, const FillOptions& options);
 
 /// For several holes on all cores: those whose surroundings overlap are fitted together. given: those of the rims that are no refusals.
-void fill_all_with_cages(const Ground& ground, const std::vector<std::optional<SidedRim>>& given, const FillOptions& options,
-                         std::vector<std::variant<Fill, Refused>>& results, const Progress& progress);
+void fill_all_with_cages(const FillContext& context, const std::vector<std::optional<SidedRim>>& given,
+                         const FillOptions& options, std::vector<std::variant<Fill, Refused>>& results, const Progress& progress);
 
 /// The rim of a cage's hole: of the corners that are given, else of three where they are found, else of those that its quads make or
 /// that are clear.
-SidedRim cage_rim_of(const Ground& ground, const std::optional<std::vector<Index>>& rim, const Corners& corners);
+SidedRim cage_rim_of(const FillContext& context, const std::optional<std::vector<Index>>& rim, const Corners& corners);
 
 /// Whether faces next to the hole are many times as long as its rim's edges, or its sides have an edge each, of which one split leaves
 /// no even way from side to side.
-bool may_fold_by_splitting(const Ground& ground, const SidedRim& hole);
+bool may_fold_by_splitting(const FillContext& context, const SidedRim& hole);
 
 }  // namespace tripatch

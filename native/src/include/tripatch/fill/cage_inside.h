@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "tripatch/cage/closed_cage.h"
-#include "tripatch/fill/ground.h"
+#include "tripatch/fill/fill_context.h"
 
 namespace tripatch {
 
@@ -16,11 +16,11 @@ struct OnMesh {
 };
 /// As they are spread evenly; smoothed on the surface; or smoothed in its plane, for where they cross as they are.
 enum class Smoothed { no, on_surface, in_plane };
-std::optional<OnMesh> cage_on_mesh(const Ground& ground, const SidedRim& hole, const CageHole& laid_out,
+std::optional<OnMesh> cage_on_mesh(const FillContext& context, const SidedRim& hole, const CageHole& laid_out,
                                    const FillOptions& options, Smoothed smoothed);
 
 /// Places of the vertices inside a layout that is such rows, in its order: what continues the cage's own points continues the limit surface
 /// that they carry. replaced: faces that count as not there. None where rows do not continue in it, or where the surface around it tells more.
-std::optional<Points> cage_in_rows(const Ground& ground, const CageHole& laid_out, const std::vector<Index>& replaced);
+std::optional<Points> cage_in_rows(const FillContext& context, const CageHole& laid_out, const std::vector<Index>& replaced);
 
 }  // namespace tripatch

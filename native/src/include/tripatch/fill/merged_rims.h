@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "tripatch/fill/ground.h"
+#include "tripatch/fill/fill_context.h"
 #include "tripatch/output/fill_result.h"
 
 namespace tripatch {

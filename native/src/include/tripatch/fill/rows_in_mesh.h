@@ -1,7 +1,7 @@
 // What the faces around rows of quads tell of them: normals, and creases that continue.
 #pragma once
 
-#include "tripatch/fill/ground.h"
+#include "tripatch/fill/fill_context.h"
 #include "tripatch/output/fill_result.h"
 
 namespace tripatch {
@@ -9,7 +9,7 @@ namespace tripatch {
 /// A fill of quads with the faces at its rim, numbered again.
 class RowsInMesh {
 public:
-  RowsInMesh(const Ground& ground, const Fill& quads);
+  RowsInMesh(const FillContext& context, const Fill& quads);
   /// Unit normals at the rim and at the new vertices, of all faces there.
   Points normals_of_rim() const;
   Points normals_of_new() const;
@@ -23,7 +23,7 @@ private:
   /// The vertex straight on where four quads meet, else -1.
   Index straight_on(Index from, Index to) const;
 
-  const Ground& ground_;
+  const FillContext& ground_;
   const Fill& fill_;
   Index rim_, own_;              ///< how many vertices the rim has, and the fill
   Faces faces_;                  ///< the fill's, then those beyond

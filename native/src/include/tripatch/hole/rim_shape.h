@@ -40,6 +40,6 @@ double diameter(const Points& rim);
 double diameter(const Mesh& mesh, const std::vector<Index>& rim);
 
 /// Whether one of these points is farther from the rim's vertices than the hole is large: nobody expects a fill there.
-bool leaves_hole(const Mesh& mesh, const std::vector<Index>& rim, const Points& inside);
+bool exceeds_hole_bounds(const Mesh& mesh, const std::vector<Index>& rim, const Points& inside);
 
 }  // namespace tripatch

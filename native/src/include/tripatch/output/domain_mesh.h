@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "tripatch/math/ties.h"
+#include "tripatch/math/tolerant_compare.h"
 #include "tripatch/types.h"
 
 namespace tripatch {

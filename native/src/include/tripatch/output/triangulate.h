@@ -20,7 +20,7 @@ struct TriangleMesh {
 /// parameters[i]: increasing from 0 to 1, the rim's vertices on side i. patch: so that triangles are well shaped in space and not
 /// only in the domain. resolution: edges per side inside the
 /// fill, 1: no vertices inside. none: follow the rim, where three equal counts n of fairly even spacing give the regular grid of
-/// n^2 triangles, and a rim so dense that a fill of its own density would be huge is coarsened inwards.
+/// n^2 triangles, and a rim so dense that a fill of its own density would be huge is decimated inwards.
 /// The same input gives the same bits. Throws InvalidArgument for parameters that do not increase from 0 to 1.
 TriangleMesh triangulate(const std::array<std::vector<double>, 3>& parameters, std::optional<int> resolution,
                          const Surface& patch);

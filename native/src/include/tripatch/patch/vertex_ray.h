@@ -2,7 +2,7 @@
 #pragma once
 
 #include "tripatch/boundary/ribbon.h"
-#include "tripatch/patch/packs.h"
+#include "tripatch/patch/simd.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {

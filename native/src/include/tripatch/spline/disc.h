@@ -16,7 +16,7 @@ constexpr Index max_laid_out = 12'000;
 /// not possible, or what is continued or met is given, they are seen from above if nothing leans by more than 60 degrees. Shorter ones
 /// are not: laid out, spheres under noise are twice as near.
 constexpr Index long_rim = 400;
-/// What is coarsened may have more triangles: no more than coarsening takes as long for as the rest does.
+/// What is decimated may have more triangles: no more than coarsening takes as long for as the rest does.
 constexpr Index max_coarsened = 1'000'000;
 inline Index max_triangles_around(Index rim) { return rim > long_rim ? max_coarsened : max_laid_out; }
 

@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "tripatch/spline/disc.h"
-#include "tripatch/spline/field.h"
+#include "tripatch/spline/polyharmonic_spline.h"
 
 namespace tripatch {
 
 /// Where points (n x 3) are nearest to a surface, by Gauss-Newton from these places: foot_at's steps, for all points at once.
-PlanePoints feet_on(const Surface& surface, const Points& points, PlanePoints uv);
+PlanePoints closest_points(const Surface& surface, const Points& points, PlanePoints uv);
 
 /// Rows of a disc's vertices that a field is fitted to: its centers and some thousands more, spread over all.
 std::vector<Index> fitted_rows(const Disc& disc, const std::vector<Index>& centers);
@@ -20,6 +20,6 @@ PlanePoints places_on(const Surface& surface, const PlanePoints& rim_uv, const D
 
 /// Through or near points (n x 3) at places of the plane, the first of which are its centers. edge: scene units, an edge of the rim.
 /// Nothing where there is no such field.
-std::shared_ptr<const Field> field_through(const Points& points, const PlanePoints& uv, Index centers, double edge);
+std::shared_ptr<const PolyharmonicSpline> field_through(const Points& points, const PlanePoints& uv, Index centers, double edge);
 
 }  // namespace tripatch

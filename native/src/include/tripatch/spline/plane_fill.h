@@ -14,7 +14,7 @@
 #include "tripatch/mesh/connectivity.h"
 #include "tripatch/messages.h"
 #include "tripatch/patch/through.h"
-#include "tripatch/spline/field.h"
+#include "tripatch/spline/polyharmonic_spline.h"
 
 namespace tripatch {
 
@@ -33,8 +33,9 @@ struct PlaneFillOptions {
 };
 
 struct PlaneFill {
-  SurfacePtr surface;                      ///< empty: plain triangles, no surface over a plane
-  std::shared_ptr<const Field> field;      ///< the same, but for an average with a second model, and points that are met inside
+  SurfacePtr surface;  ///< empty: plain triangles, no surface over a plane
+  std::shared_ptr<const PolyharmonicSpline>
+      field;                               ///< the same, but for an average with a second model, and points that are met inside
   PlanePoints rim_uv = PlanePoints(0, 2);  ///< of the loops' vertices, loop by loop
   Points vertices = Points(0, 3);          ///< the new ones
   PlanePoints uv = PlanePoints(0, 2);      ///< of these

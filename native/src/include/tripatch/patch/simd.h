@@ -1,0 +1,373 @@
+// Four points at a time, or with AVX-512 eight where no more than a tangent plane is asked for: jets, fields of sides and weights as jet.h
+// and side_weights.h have them, one point in each lane of a register. Every operation is made in the same order as there, and none is
+// fused with another, so that the bits are the same. Machines without AVX2 and compilers without its vectors evaluate point by point.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "tripatch/math/simd.h"
+#include "tripatch/patch/surface.h"
+
+namespace tripatch {
+
+#ifdef TRIPATCH_PACKS
+
+template <int N, class P = Pack>
+struct PackJet {
+  static constexpr int size = jet_size(N);
+  P c[size];
+
+  TRIPATCH_ANY_PACK PackJet& operator+=(const PackJet& o) {
+    for (int k = 0; k < size; ++k) c[k] += o.c[k];
+    return *this;
+  }
+  TRIPATCH_ANY_PACK PackJet& operator*=(double s) {
+    for (int k = 0; k < size; ++k) c[k] *= s;
+    return *this;
+  }
+  TRIPATCH_ANY_PACK friend PackJet operator+(const PackJet& a, const PackJet& b) {
+    PackJet r = a;
+    return r += b;
+  }
+  TRIPATCH_ANY_PACK friend PackJet operator*(double s, const PackJet& a) {
+    PackJet r = a;
+    return r *= s;
+  }
+  /// Of each lane its own number.
+  TRIPATCH_ANY_PACK friend PackJet operator*(const P& s, const PackJet& a) {
+    PackJet r;
+    for (int k = 0; k < size; ++k) r.c[k] = s * a.c[k];
+    return r;
+  }
+  TRIPATCH_ANY_PACK friend PackJet operator*(const PackJet& a, const PackJet& b)
+    requires(N <= 1)
+  {
+    PackJet r;
+    r.c[0] = a.c[0] * b.c[0];
+    for (int k = 1; k < size; ++k) r.c[k] = a.c[0] * b.c[k] + a.c[k] * b.c[0];
+    return r;
+  }
+  TRIPATCH_PACKED friend PackJet operator*(const PackJet& a, const PackJet& b)
+    requires(N > 1)
+  {
+    PackJet r = {};
+    add_products(r, a, b, std::make_index_sequence<Jet<N>::products.size()>());
+    return r;
+  }
+
+private:
+  template <std::size_t... K>
+  TRIPATCH_ANY_PACK static void add_products(PackJet& r, const PackJet& a, const PackJet& b, std::index_sequence<K...>) {
+    ((r.c[Jet<N>::products[K][0]] += a.c[Jet<N>::products[K][1]] * b.c[Jet<N>::products[K][2]]), ...);
+  }
+};
+
+template <int N, class P = Pack>
+struct PackPoint {
+  PackJet<N, P> x[3];
+};
+
+template <int N, class P>
+TRIPATCH_ANY_PACK PackJet<N, P> square(const PackJet<N, P>& a) {
+  return a * a;
+}
+
+/// As of jet.h; taylor: N + 1 coefficients.
+template <int N, class P>
+TRIPATCH_ANY_PACK PackJet<N, P> compose(const P* taylor, std::ptrdiff_t stride, const PackJet<N, P>& t) {
+  if constexpr (N == 0) {
+    return {{taylor[0]}};
+  } else {
+    PackJet<N, P> h = t;
+    h.c[0] = P{};
+    PackJet<N, P> r = taylor[N * stride] * h;
+    for (int k = N - 1; k > 0; --k) {
+      r.c[0] += taylor[k * stride];
+      r = r * h;
+    }
+    r.c[0] += taylor[0];
+    return r;
+  }
+}
+
+template <int N, class P>
+TRIPATCH_ANY_PACK PackJet<N, P> reciprocal(const PackJet<N, P>& a) {
+  P f[N + 1];
+  f[0] = 1.0 / a.c[0];
+  for (int k = 1; k <= N; ++k) f[k] = -f[k - 1] * f[0];
+  return compose<N>(f, 1, a);
+}
+
+/// f(s, t), as of jet.h: components of its Taylor coefficients.
+template <int N, class P>
+TRIPATCH_ANY_PACK PackPoint<N, P> compose(const P (&taylor)[jet_size(N)][3], const PackJet<N, P>& s, const PackJet<N, P>& t) {
+  PackJet<N, P> power[jet_size(N)];
+  PackPoint<N, P> r = {};
+  for (int x = 0; x < 3; ++x) r.x[x].c[0] = taylor[0][x];
+  if constexpr (N > 0) {
+    power[1] = s;
+    power[2] = t;
+    power[1].c[0] = power[2].c[0] = P{};
+    for (int i = 0; i <= N; ++i)
+      for (int j = 0; i + j <= N; ++j) {
+        const int at = jet_index(i, j);
+        if (i + j > 1) power[at] = i > 0 ? power[1] * power[jet_index(i - 1, j)] : power[2] * power[jet_index(0, j - 1)];
+        if (at == 0) continue;
+        for (int x = 0; x < 3; ++x) r.x[x] += taylor[at][x] * power[at];
+      }
+  }
+  return r;
+}
+
+/// Barycentric coordinates of points.
+template <int N, class P = Pack>
+struct PackBarycentric {
+  PackJet<N, P> b[3];
+
+  /// Of so many; the last again where there are no more.
+  TRIPATCH_ANY_PACK PackBarycentric(const double* all, Index count) {
+    for (int i = 0; i < 3; ++i) {
+      for (Index lane = 0; lane < width_of<P>; ++lane) b[i].c[0][lane] = all[3 * std::min(lane, count - 1) + i];
+      for (int k = 1; k < PackJet<N, P>::size; ++k) b[i].c[k] = all_lanes_of<P>(k > 2 ? 0 : i == 2 ? -1 : i + 1 == k ? 1 : 0);
+    }
+  }
+  TRIPATCH_ANY_PACK const PackJet<N, P>& operator[](int i) const { return b[i]; }
+};
+
+/// The three rays through points: see ray_parameter.
+template <int N, class P>
+struct PackRays {
+  PackJet<N, P> s[3];     ///< fraction of the ray, 0 at the vertex
+  PackJet<N, P> over[3];  ///< 1 / s
+  PackJet<N, P> t[3];     ///< parameter of its side
+
+  TRIPATCH_ANY_PACK explicit PackRays(const PackBarycentric<N, P>& b) {
+    for (int i = 0; i < 3; ++i) {
+      s[i] = b[(i + 1) % 3] + b[(i + 2) % 3];
+      over[i] = reciprocal(s[i]);
+      t[i] = b[(i + 2) % 3] * over[i];
+    }
+  }
+};
+
+/// Which vertex is nearest to each of several points, as side_weights sees it.
+template <class P>
+class NearestVertex {
+public:
+  template <int N>
+  TRIPATCH_ANY_PACK explicit NearestVertex(const PackBarycentric<N, P>& b)
+      : not_0_(b[1].c[0] > b[0].c[0]), is_2_(b[2].c[0] > (not_0_ ? b[1].c[0] : b[0].c[0])) {}
+
+  /// a[(i + vertex) % 3], or with Step = 2 a[(i - vertex) % 3].
+  template <int Step = 1, int N>
+  TRIPATCH_ANY_PACK PackJet<N, P> turned(const PackJet<N, P> (&a)[3], int i) const {
+    PackJet<N, P> r;
+    for (int k = 0; k < PackJet<N, P>::size; ++k) {
+      const P &at_0 = a[i].c[k], &at_1 = a[(i + Step) % 3].c[k], &at_2 = a[(i + 2 * Step) % 3].c[k];
+      r.c[k] = is_2_ ? at_2 : not_0_ ? at_1 : at_0;
+    }
+    return r;
+  }
+
+private:
+  decltype(P{} > P{}) not_0_, is_2_;
+};
+
+/// side_weights, Power = 2, and cubic_side_weights, 3.
+template <int Power, int N, class P>
+TRIPATCH_ANY_PACK void side_weights(const PackBarycentric<N, P>& b, const PackRays<N, P>& rays, PackJet<N, P> (&w)[3]) {
+  const NearestVertex<P> nearest(b);
+  const PackJet<N, P> bi = nearest.turned(b.b, 0), bj = nearest.turned(b.b, 1), rho = nearest.turned(rays.s, 0);
+  const PackJet<N, P> t = nearest.turned(rays.t, 0), s = bj * nearest.turned(rays.over, 0);
+  PackJet<N, P> tt = square(t), ss = square(s), bb = square(bi), outer = square(rho);
+  if constexpr (Power == 3) {
+    tt = t * tt;
+    ss = s * ss;
+    bb = bi * bb;
+    outer = rho * outer;
+  }
+  const PackJet<N, P> wi = outer * tt * ss, wj = bb * tt, wk = bb * ss, inverse = reciprocal(wi + wj + wk);
+  const PackJet<N, P> of_nearest[3] = {wi * inverse, wj * inverse, wk * inverse};
+  for (int i = 0; i < 3; ++i) w[i] = nearest.template turned<2>(of_nearest, i);
+}
+
+#endif
+
+/// A field of three components whose Taylor series are made for four parameters at a time.
+class PackedField {
+public:
+  PackedField() = default;
+  explicit PackedField(const PiecewisePolynomial& field) : degree_(field.degree()) {
+    const std::vector<double>& breaks = field.breaks();
+    const std::span<const double> given = field.coefficients();
+    const Index n = field.pieces(), powers = n * (degree_ + 1), places = n == 1 ? 1 : 2 * n;
+    coefficients_.assign(4 * powers, 0);
+    for (Index k = 0; k < powers; ++k) std::copy_n(&given[3 * k], 3, &coefficients_[4 * k]);
+    middles_.resize(n);
+    ends_.resize(n);
+    for (Index p = 0; p < n; ++p) {
+      middles_[p] = 0.5 * (breaks[p] + breaks[p + 1]);
+      ends_[p] = p + 1 < n ? breaks[p + 1] : std::numeric_limits<double>::infinity();
+    }
+    lookup_.resize(places);
+    for (Index k = 0, p = 0; k < places; ++k) {
+      while (ends_[p] <= static_cast<double>(k) / static_cast<double>(places)) ++p;
+      lookup_[k] = static_cast<std::int32_t>(p);
+    }
+  }
+
+  /// Whether parameters have the same places among the pieces of both.
+  bool has_places_of(const PackedField& o) const { return middles_ == o.middles_ && ends_ == o.ends_; }
+
+#ifdef TRIPATCH_PACKS
+  /// Parameters among the pieces.
+  template <class P>
+  struct Places {
+    P t;
+    Index piece[width_of<P>];  ///< these where there are more pieces than one
+    double u[width_of<P>];     ///< t from their middles
+  };
+  template <class P>
+  TRIPATCH_ANY_PACK Places<P> places(const P& t) const {
+    Places<P> out;
+    out.t = t;
+    if (middles_.size() == 1) return out;
+    const double size = static_cast<double>(lookup_.size());
+    const P least = {}, most = all_lanes_of<P>(size - 1);
+    P scaled = t * size;
+    scaled = scaled > least ? scaled : least;
+    scaled = scaled < most ? scaled : most;
+    for (int lane = 0; lane < width_of<P>; ++lane) {
+      Index p = lookup_[static_cast<std::int32_t>(scaled[lane])];
+      p += t[lane] >= ends_[p];  // whether one break is passed is not known beforehand, another rarely is
+      while (t[lane] >= ends_[p]) ++p;
+      out.piece[lane] = p;
+      out.u[lane] = t[lane] - middles_[p];
+    }
+    return out;
+  }
+  /// As PiecewisePolynomial::taylor.
+  template <int Order>
+  TRIPATCH_PACKED void taylor(const Places<Pack>& at, Pack (&out)[Order + 1][3]) const {
+    series<Order>(at, out);
+  }
+  template <int Order>
+  TRIPATCH_WIDE void taylor(const Places<WidePack>& at, WidePack (&out)[Order + 1][3]) const {
+    series<Order>(at, out);
+  }
+
+  /// At jets.
+  template <int N, class P>
+  TRIPATCH_ANY_PACK PackPoint<N, P> at(const PackJet<N, P>& t) const {
+    P taylor_of_t[N + 1][3];
+    taylor<N>(places(t.c[0]), taylor_of_t);
+    PackPoint<N, P> p;
+    for (int x = 0; x < 3; ++x) p.x[x] = compose<N, P>(&taylor_of_t[0][x], 3, t);
+    return p;
+  }
+
+private:
+  template <int Order, class P>
+  TRIPATCH_ANY_PACK void series(const Places<P>& at, P (&out)[Order + 1][3]) const {
+    if (middles_.size() == 1) {
+      const P from_middle = at.t - middles_[0], u[3] = {from_middle, from_middle, from_middle};
+      return horner<Order>(
+          u, [&](Index k, int x) TRIPATCH_ANY_PACK_LAMBDA { return all_lanes_of<P>(coefficients_[4 * k + x]); }, out);
+    }
+    const double* a[width_of<P>];
+    Pack u[width_of<P>], points[Order + 1][width_of<P>];  // the components of a point in a register
+    for (int lane = 0; lane < width_of<P>; ++lane) {
+      a[lane] = &coefficients_[4 * (degree_ + 1) * at.piece[lane]];
+      u[lane] = all_lanes_of<Pack>(at.u[lane]);
+    }
+    horner<Order>(u, [&](Index k, int lane) TRIPATCH_ANY_PACK_LAMBDA { return loaded(a[lane] + 4 * k); }, points);
+    for (int j = 0; j <= Order; ++j) turn(points[j], out[j]);
+  }
+
+  /// coefficient(k, x): that of u^k in x.
+  template <int Order, class P, int Count, class Coefficient>
+  TRIPATCH_ANY_PACK void horner(const P (&u)[Count], const Coefficient& coefficient, P (&out)[Order + 1][Count]) const {
+    P sum[Order + 1][Count] = {};
+    for (int x = 0; x < Count; ++x) sum[0][x] = coefficient(degree_, x);
+    for (Index k = degree_ - 1; k >= 0; --k)
+      for (int x = 0; x < Count; ++x) {
+        for (int j = Order; j > 0; --j) sum[j][x] = sum[j][x] * u[x] + sum[j - 1][x];
+        sum[0][x] = sum[0][x] * u[x] + coefficient(k, x);
+      }
+    for (int j = 0; j <= Order; ++j)
+      for (int x = 0; x < Count; ++x) out[j][x] = sum[j][x];
+  }
+
+  /// From points with their components to components of points.
+  TRIPATCH_ANY_PACK static void turn(const Pack* p, Pack (&out)[3]) {
+    const Pack xz = __builtin_shufflevector(p[0], p[1], 0, 4, 2, 6), y = __builtin_shufflevector(p[0], p[1], 1, 5, 3, 7);
+    const Pack more_xz = __builtin_shufflevector(p[2], p[3], 0, 4, 2, 6),
+               more_y = __builtin_shufflevector(p[2], p[3], 1, 5, 3, 7);
+    out[0] = __builtin_shufflevector(xz, more_xz, 0, 1, 4, 5);
+    out[1] = __builtin_shufflevector(y, more_y, 0, 1, 4, 5);
+    out[2] = __builtin_shufflevector(xz, more_xz, 2, 3, 6, 7);
+  }
+  TRIPATCH_ANY_PACK static void turn(const Pack* p, WidePack (&out)[3]) {
+    Pack low[3], high[3];
+    turn(p, low);
+    turn(p + 4, high);
+    for (int x = 0; x < 3; ++x) out[x] = __builtin_shufflevector(low[x], high[x], 0, 1, 2, 3, 4, 5, 6, 7);
+  }
+#endif
+
+private:
+  int degree_ = 0;
+  std::vector<double> middles_, ends_;  // of the pieces; the last ends nowhere
+  std::vector<double> coefficients_;    // of each power four numbers, the last 0: whole registers are read
+  std::vector<std::int32_t> lookup_;    // first candidate piece for floor(t * lookup size)
+};
+
+/// A JetSurface whose formula Derived has for four points too:
+///   `template <int N> PackPoint<N> at(const PackBarycentric<N>& b) const;` (under TRIPATCH_PACKS, N up to highest_packed)
+/// and for eight (WidePack, N up to highest_wide).
+template <class Derived>
+class PackedSurface : public JetSurface<Derived> {
+public:
+  static constexpr int highest_packed = 3;  ///< order that fairing asks for
+  static constexpr int highest_wide = 1;    ///< and those of a fill's positions and normals
+
+#ifdef TRIPATCH_PACKS
+private:
+  void evaluate_regular(const double* b, Index n, int order, double* out) const override {
+    static const bool packs = __builtin_cpu_supports("avx2"), wide = __builtin_cpu_supports("x86-64-v4");
+    if (!packs || n < lanes || order < 0 || order > highest_packed)
+      return JetSurface<Derived>::evaluate_regular(b, n, order, out);
+    if (wide && order <= highest_wide) return with_order<0, highest_wide>(order, [&](auto N) { run_wide<N.value>(b, n, out); });
+    with_order<0, highest_packed>(order, [&](auto N) { run_packed<N.value>(b, n, out); });
+  }
+
+  template <int N>
+  TRIPATCH_PACKED void run_packed(const double* b, Index n, double* out) const {
+    run<N, Pack>(b, n, out);
+  }
+  template <int N>
+  TRIPATCH_WIDE void run_wide(const double* b, Index n, double* out) const {
+    run<N, WidePack>(b, n, out);
+  }
+
+  template <int N, class P>
+  TRIPATCH_ANY_PACK void run(const double* b, Index n, double* out) const {
+    constexpr int size = jet_size(N), lanes = width_of<P>;
+    for (Index first = 0; first < n; first += lanes, b += 3 * lanes, out += 3 * size * lanes) {
+      const Index count = std::min<Index>(lanes, n - first);
+      const PackPoint<N, P> p = static_cast<const Derived*>(this)->template at<N>(PackBarycentric<N, P>(b, count));
+      for (Index lane = 0; lane < count; ++lane)
+        for (int k = 0; k < size; ++k)
+          for (int x = 0; x < 3; ++x) out[(lane * size + k) * 3 + x] = p.x[x].c[k][lane];
+    }
+  }
+#endif
+};
+
+}  // namespace tripatch
