@@ -20,7 +20,8 @@ def test_there_are_python_and_commands():
 
 
 @pytest.mark.parametrize("block", BLOCKS, ids=[str(k) for k in range(len(BLOCKS))])
-def test_python_runs(block):
+def test_python_runs(block, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     exec(compile(block, README.name, "exec"), {})
 
 
