@@ -327,7 +327,7 @@ private:
       const Index w = around_.next(c);
       const auto one = around_.edge(rim_[place], w), other = around_.edge(w, rim_[place]);
       if (!one || !other) continue;
-      for (const auto [f, g] :
+      for (const auto& [f, g] :
            {std::pair(around_.face(*one), around_.face(*other)), std::pair(around_.face(*other), around_.face(*one))}) {
         if (lies_in(f, planes_[before]) && lies_in(g, planes_[here])) return true;
         if (angle_between(area_vector(mesh_, f), area_vector(mesh_, g)) < min_crease_angle) continue;
