@@ -118,7 +118,7 @@ def program(tmp_path, text):
 @pytest.mark.parametrize(
     ("text", "status", "reason"),
     [
-        ("kill -SEGV $$\n", "crashed", "Blender was ended by signal 11"),
+        ("kill -SEGV $$\n", "crashed", "Blender ended by signal 11"),
         ("echo Error: no such thing; exit 9\n", "crashed", "Blender ended with code 9: Error: no such thing"),
         ("sleep 100\n", "time limit", "It took more than 1 s"),
     ],
@@ -140,7 +140,7 @@ def test_a_blender_ends_with_the_process_that_has_opened_it(tmp_path, capsys):
     text = f"echo $$ >'{tmp_path / 'seen'}'; kill -KILL $PPID; exec sleep 60\n"
     options = ["--workers", 0, "--retries", 0, "--blender", program(tmp_path, text)]
     run(capsys, tmp_path / "a.blend", "--out", tmp_path / "out", *options)
-    assert "was ended by SIGKILL" in heads(tmp_path / "out")["a.blend"]["reason"]
+    assert "ended by signal SIGKILL, as if memory were short" in heads(tmp_path / "out")["a.blend"]["reason"]
     assert is_gone(int((tmp_path / "seen").read_text()))
 
 
@@ -152,10 +152,10 @@ def test_a_blender_that_stays_without_memory_is_ended(tmp_path, capsys):
     options = ["--workers", 0, "--retries", 0, "--memory-limit", 300, "--time-limit", 30, "--blender", hog]
     run(capsys, tmp_path / "a.blend", "--out", tmp_path / "out", *options)
     line = heads(tmp_path / "out")["a.blend"]
-    assert (line["status"], line["reason"]) == ("memory limit", "The memory of the 300 MB that a file may use was not enough")
+    assert (line["status"], line["reason"]) == ("memory limit", "The memory of 300 MB that a file may use was not enough")
 
 
 def test_no_blender_is_said(tmp_path, capsys):
     (tmp_path / "a.blend").write_bytes(b"BLENDER")
     run(capsys, tmp_path / "a.blend", "--out", tmp_path / "out", "--workers", 0, "--blender", "no-such-program")
-    assert "--blender names the program" in heads(tmp_path / "out")["a.blend"]["reason"]
+    assert "Name Blender with --blender" in heads(tmp_path / "out")["a.blend"]["reason"]

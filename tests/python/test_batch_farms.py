@@ -60,7 +60,7 @@ def test_what_writes_nothing_and_what_writes_a_list_do_not_go_together(source, c
     code, said, told = run(capsys, source, "--out", out, "--emit", "commands", "--dry-run")
     assert code == 2
     assert not said
-    assert "give one of both" in told
+    assert "--emit and --dry-run cannot be used together" in told
     assert not out.exists()
 
 
