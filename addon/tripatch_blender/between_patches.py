@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
-from . import filling, library, limit_objects, panel, properties, selection, sentences, waiting
+from . import calls, filling, library, limit_objects, panel, properties, selection, sentences, waiting
 from .construction import Construction
 from .library import np, tripatch, words
 from .properties import OPTIONS
@@ -201,7 +201,7 @@ def mesh_between(objects, tolerance, resolution, construction, mesh=None):
     exact = [isinstance(curve, tripatch.between.SurfaceEdge) for curve in loop.curves]
     by_number = [resolution and all(exact[k] for k in group) for group in loop.groups]
     drawn = [resolution if number else t for number, (_, t) in zip(by_number, sides, strict=True)]
-    own = filling.for_sides(construction, len(sides))
+    own = calls.for_sides(construction, len(sides))
     patch, points, faces, notes = waiting.make(_patch_and_triangles, [side for side, _ in sides], drawn, own)
     mesh = mesh or bpy.data.meshes.new("Fill")
     put(mesh, points, faces, objects[0].data)
@@ -266,7 +266,7 @@ class OBJECT_OT_fill_between_patches(FromEdges, Construction, waiting.Waiting, b
         if not library.poll(cls, context, "OBJECT", "needs_object_mode"):
             return False
         objects = selected(context)
-        if not 2 <= len(objects) <= filling.MAX_SIDES:
+        if not 2 <= len(objects) <= calls.MAX_SIDES:
             cls.poll_message_set(sentences.said("needs_two_to_twelve_objects"))
             return False
         return True
@@ -310,7 +310,7 @@ class OBJECT_OT_fill_between_patches(FromEdges, Construction, waiting.Waiting, b
         if self.keep_live:
             from . import following, live  # they use what is above
 
-            between["construction"] = filling.for_sides(between["construction"], len(made.sides))
+            between["construction"] = calls.for_sides(between["construction"], len(made.sides))
             live.keep_patches(new, objects, **between)
             following.begin(new)
         names = list(dict.fromkeys(curve.name for curve in made.loop.curves))

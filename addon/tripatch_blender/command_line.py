@@ -11,7 +11,20 @@ import sys
 import bmesh
 import bpy
 
-from . import filling, layers, library, limit_objects, mirrored, records, selection, subdivision, versions, writeback
+from . import (
+    calls,
+    filling,
+    layers,
+    library,
+    limit_objects,
+    mirrored,
+    outcomes,
+    records,
+    selection,
+    subdivision,
+    versions,
+    writeback,
+)
 from .library import arguments as by_table
 from .library import tripatch
 from .properties import OPTIONS
@@ -129,7 +142,7 @@ def _options(ob, arguments):
     caged = settings["surroundings"] == "mesh" and subdivision.modifier_of(ob)
     settings.setdefault("output", "cage" if caged else "triangles")
     tripatch.options.checked("fill_all", settings)
-    return filling.Options(
+    return calls.Options(
         settings,
         arguments.corner_offset,
         arguments.shading,
@@ -211,7 +224,7 @@ def _run(arguments):
     objects = _objects(arguments.object)
     if (hasattr(arguments, "rim") or getattr(arguments, "corners", [])) and len(objects) != 1:
         raise _UsageError("one_object_needed")
-    if getattr(arguments, "method", _METHOD) not in filling.ANY_RIM and len(getattr(arguments, "corners", (0,) * 3)) != 3:
+    if getattr(arguments, "method", _METHOD) not in library.ANY_RIM and len(getattr(arguments, "corners", (0,) * 3)) != 3:
         raise _UsageError("three_corners_named")
     for name in _given(arguments, "choose_holes"):
         if not arguments.all:
@@ -219,7 +232,7 @@ def _run(arguments):
     if bpy.context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
 
-    total, reports, option = filling.Outcome(), [], "--outer" if arguments.all else "--all --outer"
+    total, reports, option = outcomes.Outcome(), [], "--outer" if arguments.all else "--all --outer"
     filtered = False
     for ob in objects:
         try:
@@ -231,7 +244,7 @@ def _run(arguments):
             filtered |= reason.code == "holes_filtered"
             if reason.code in _NONE_MEANT and not arguments.object:
                 continue
-            outcome = filling.Outcome(refused=[filling.Refused(reason.said)])
+            outcome = outcomes.Outcome(refused=[outcomes.Refused(reason.said)])
         if outcome.reports:
             print(f"{ob.name}: {outcome.sentence(option)}")
         for sentence in outcome.notes:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from bpy.props import BoolProperty, StringProperty
 
-from . import filling, library, panel, properties, sentences
+from . import calls, library, panel, properties, sentences
 from .properties import OPTIONS
 
 #: Options that may be absent and whose numbers leave no room to say so: the property that says it, and what it says.
@@ -60,7 +60,7 @@ def _declared():
         else:
             made[option.name] = properties.of(option, **({"default": option.default or "none"} if option.none else {}))
             if option.by_side:
-                for i in range(filling.MAX_SIDES):
+                for i in range(calls.MAX_SIDES):
                     made[f"{option.name}_{i}"] = properties.of(option, name=f"Side {i + 1}")
     made["not_applied"] = StringProperty(options={"HIDDEN", "SKIP_SAVE"})  # of the last fills: "option:code option:code ..."
     made["individual"] = BoolProperty(
@@ -138,7 +138,7 @@ class Construction:
         has_sides = self.keeps_tangents() and not self.why_not("corners")
         row("individual", active=has_sides)
         if self.individual and self.keeps_tangents():
-            for i in range(min(self.sides, filling.MAX_SIDES)):
+            for i in range(min(self.sides, calls.MAX_SIDES)):
                 row(f"continuity_{i}", active=has_sides)
                 if self._has("bulge"):
                     tangent = getattr(self, f"continuity_{i}") not in ("Free", "G0")
@@ -175,7 +175,7 @@ class Construction:
 
     def _each(self, name):
         """A value a side, for a hole of however many sides."""
-        return filling.BySide([getattr(self, f"{name}_{i}") for i in range(filling.MAX_SIDES)])
+        return calls.BySide([getattr(self, f"{name}_{i}") for i in range(calls.MAX_SIDES)])
 
     def continuities(self):
         """One, or a BySide."""
@@ -195,7 +195,7 @@ class Construction:
         """Whether a script has set an option, which the panel may not show: the library says what it makes of it."""
         names = [option.name, *_SWITCHES.get(option.name, ())[:1]]
         if self.individual and option.name in ("continuity", "bulge"):
-            names += [f"{option.name}_{i}" for i in range(filling.MAX_SIDES)]
+            names += [f"{option.name}_{i}" for i in range(calls.MAX_SIDES)]
         return not self.by_hand and any(map(self.properties.is_property_set, names))
 
     def construction(self):

@@ -4,141 +4,13 @@
 from __future__ import annotations
 
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import bpy
 
-from . import seam, selection, sentences, subdivision, waiting, writeback
-from .library import ANY_RIM, index_lists, np, passages, tripatch, words
-from .selection import NothingToFill, OptionsError, Surroundings, UnusableError
-
-
-@dataclass
-class Options:
-    """Options of a fill: those of tripatch.fill, and what only Blender has."""
-
-    arguments: dict = field(default_factory=dict)  # of tripatch.fill
-    corner_offset: int = 0  # steps along the rim
-    shading: str = "neighbors"  # "neighbors", "smooth", "flat"
-    deviation: bool = False  # how well the new vertices are known, as attributes
-    mirrored: bool = False  # what a Mirror modifier makes is in the BMesh
-    record: dict = field(default_factory=dict)  # what Edit Fill needs to make the fill again
-
-
-def matching_faces(corners):
-    """What holes are filled with where a person has not chosen, as arguments of tripatch.fill: with what they lie among. corners:
-    as selection.next to counts them."""
-    if not corners or corners[3] > corners[4]:
-        return {"output": "triangles"}
-    # What lies around stays quads: where an edge is split, one becomes a pentagon.
-    return {"output": "quads", "odd": "triangle"}
-
-
-#: Of a hole's diameter: the tolerance of quads and cages where none is given, as the library's option says.
-TOLERANCE = 1e-3
-#: A panel has rows for so many sides.
-MAX_SIDES = 12
-
-
-class BySide(tuple):
-    """MAX_SIDES values, for the sides that a hole has; how many shows when its corners are found."""
-
-
-def for_sides(arguments, count):
-    """The arguments for a hole of so many sides."""
-    own = {name: value[:count] for name, value in arguments.items() if isinstance(value, BySide)}
-    return arguments | {name: tuple(value) if len(set(value)) > 1 else value[0] for name, value in own.items()}
-
-
-def _of_object(name, said):
-    """What is said of an object, with its name if there is one."""
-    return tripatch.Message("of_object", {"name": name, "reason": said}) if name else said
-
-
-@dataclass
-class Refused:
-    """A hole, or a part of a selection, that is not filled."""
-
-    sentence: str
-    vertices: list = field(default_factory=list)  # indices of those concerned: a BMVert ends with the Python object of its BMesh
-    ob: object = None  # the object that they are of
-    rim: object = None  # of a hole: its Rim, of use while its BMesh is as it was
-
-    @classmethod
-    def because(cls, reason, ob):
-        """From an UnusableError or OptionsError, while its BMesh is there."""
-        return cls(reason.said, [v.index for v in reason.vertices if v.is_valid], ob)
-
-    def of(self, name):
-        """The same with the name of its object, if there is one."""
-        return Refused(_of_object(name, self.sentence), self.vertices, self.ob)
-
-
-@dataclass
-class Outcome:
-    """What became of the holes of one mesh or of several."""
-
-    reports: list = field(default_factory=list)  # tripatch.Report of each filled hole
-    passages: list = field(default_factory=list)  # for each a place where it passes through the mesh, or None
-    refused: list = field(default_factory=list)  # Refused
-    notes: list = field(default_factory=list)  # sentences on holes that were filled
-    faces: int = 0
-    triangles: int = 0  # among them, where quads were to be made
-    rim_edges: list = field(default_factory=list)  # of each filled hole
-    diameters: list = field(default_factory=list)  # likewise, in the world
-    cage_rim: str = ""  # of fills that are cages
-    objects: list = field(default_factory=list)  # names of objects made
-    live: list = field(default_factory=list)  # names of live fills made
-    instead: bool = False  # others than were asked for
-    left_out: list = field(default_factory=list)  # names of options that were set, and that cages were made without
-    left_open: list = field(default_factory=list)  # how many edges each outer border has that is left open
-
-    def add(self, other, name=""):
-        self.reports += other.reports
-        self.passages += other.passages
-        self.refused += [refused.of(name) for refused in other.refused]
-        self.notes += [_of_object(name, sentence) for sentence in other.notes]
-        self.faces += other.faces
-        self.triangles += other.triangles
-        self.rim_edges += other.rim_edges
-        self.diameters += other.diameters
-        self.cage_rim = other.cage_rim or self.cage_rim
-        self.objects += other.objects
-        self.live += other.live
-        self.instead = self.instead or other.instead
-        self.left_out += other.left_out
-        self.left_open += other.left_open
-
-    def alarms(self):
-        """Whether there is something that a person should look at, or can mend."""
-        folds = any(r.crosses_itself or r.triangles_folded > r.rim_folded for r in self.reports)
-        return folds or any(self.passages) or self.instead or any(map(sentences.can_be_mended, self.notes))
-
-    def count(self, faces, output):
-        """The new faces, as lists of vertices or corners."""
-        self.faces = len(faces)
-        self.triangles = sum(len(face) == 3 for face in faces) if output == "quads" else 0
-
-    def density(self, output):
-        """What was computed where none was asked for: edges of new faces along a side, extra rows of quads; None: not known."""
-        if output != "triangles":
-            return max((report.rows for report in self.reports), default=None)
-        # As many edges around as the rim has: the library counts them as three sides where the patch has no sides of its own.
-        sides = [(r.method == "multi_sided" and len(r.corners)) or 3 for r in self.reports]
-        return max((max(1, round(n / k)) for n, k in zip(self.rim_edges, sides, strict=True)), default=None)
-
-    def sentence(self, option=selection.OUTER):
-        """'Filled 2 holes; seam within 0.3°'"""
-        said = words.filled(
-            self.reports,
-            cage_rim=self.cage_rim,
-            quads=self.faces,
-            triangles=self.triangles,
-            limit=bool(self.objects),
-            into=self.objects + self.live,
-        )
-        return "; ".join(filter(None, (said, words.left_open(self.left_open, option))))
-
+from . import calls, outcomes, seam, selection, subdivision, writeback
+from .library import index_lists, np, passages, tripatch, words
+from .selection import NothingToFill, Surroundings, UnusableError
 
 #: Condition of an object's matrix from which on float32, in which Blender has it, leaves no digit of its inverse.
 SCALED_TO_NOTHING = 1e7
@@ -150,40 +22,6 @@ def world_matrix(name, matrix):
     if not np.isfinite(world).all() or not np.linalg.cond(world[:3, :3]) < SCALED_TO_NOTHING:
         raise UnusableError("scale_zero", name=name)
     return world
-
-
-def slid_corners(fill, loop, offset):
-    """Its corners so many steps along the rim; None where the fill follows none."""
-    if "corners" in fill.report.not_applied:
-        return None
-    return [loop[(loop.index(v) + offset) % len(loop)] for v in fill.report.corners]
-
-
-def corners_of(rim, loop, mesh, replaced, any_rim):
-    """The corners to fill with, as vertex indices, or None for the library to find them."""
-    if rim.round:
-        return []
-    first = rim.first.index if rim.first else None
-    if rim.corners:
-        corners = [v.index for v in rim.corners]
-    elif first is None:
-        return None
-    else:
-        try:
-            many = tripatch.find_corners(mesh[0], mesh[1], loop, replaced=replaced, any_number=True).tolist() if any_rim else []
-            corners = many or tripatch.find_corners(mesh[0], mesh[1], loop, replaced=replaced).tolist()
-        except tripatch.Refusal:
-            if not any_rim:
-                raise
-            return None  # the active vertex is no corner of a rim that has none
-    places = [loop.index(v) for v in corners]
-    if first is not None:
-        # The active vertex is the first corner: one of them, or it takes the place of the nearest.
-        count, active = len(loop), loop.index(first)
-        steps = [min((p - active) % count, (active - p) % count) for p in places]
-        nearest = steps.index(min(steps))
-        places = [active] + [p for k, p in enumerate(places) if k != nearest]
-    return [loop[p] for p in places]
 
 
 class _ToObject:
@@ -266,123 +104,6 @@ def _in_shape_key(bm, planned, name, in_key, world):
     return []
 
 
-def is_a_point(rim):
-    """Whether all of a rim lies at one point, to what the last digit of float32 leaves."""
-    places = selection.coordinates(rim.loop)
-    return np.ptp(places, axis=0).max() <= np.finfo(np.float32).eps * np.abs(places).max()
-
-
-def fills(rims, arrays, options, progress=None, **arguments):
-    """A tripatch.Fill or Refusal for each rim, all made at once; the rims' vertices are numbered as in the arrays.
-
-    arrays: positions, faces, replaced faces, as Surroundings gathers them around all rims; arguments: of tripatch.fill_all,
-    besides the options'.
-    """
-    positions, faces, replaced = arrays
-    loops = [[v.index for v in rim.loop] for rim in rims]
-    corners = {}
-    results: list[tripatch.Fill | tripatch.Refusal | None] = [None] * len(rims)
-    given = options.arguments
-    caged, any_rim = given.get("output") == "cage", given.get("method", "auto") in ANY_RIM
-    whatever = any_rim and not caged and given.get("surroundings") != "limit"
-    for k, (rim, loop) in enumerate(zip(rims, loops, strict=True)):
-        if is_a_point(rim):
-            results[k] = tripatch.Refusal.of(tripatch.Message("rim_is_point"))
-            continue
-        try:
-            corners[k] = corners_of(rim, loop, (positions, faces), replaced, whatever)
-        except tripatch.Refusal as refusal:
-            if caged and any_rim:
-                corners[k] = None  # the active vertex is no corner of three; those of a cage are seen by its quads
-            else:
-                results[k] = refusal
-    found = list(corners)
-    counts = {}
-    if _is_by_side(options.arguments):
-        counts = {k: _sides(corners[k], loops[k], positions, faces, replaced) for k in found}
-    given = options.arguments | {"replaced": replaced, "progress": progress} | arguments
-    alone = [k for k in found if rims[k].inside or rims[k].islands]
-    shared = [k for k in found if k not in alone]
-    own = [counts[k] for k in shared if k in counts]
-    made = _shared_or_each((positions, faces), [loops[k] for k in shared], [corners[k] for k in shared], given, own)
-    if options.corner_offset:
-        slid = {
-            k: slid_corners(fill, loops[k], options.corner_offset)
-            for k, fill in zip(shared, made, strict=True)
-            if not isinstance(fill, tripatch.Refusal)
-        }
-        made = _shared_or_each(
-            (positions, faces), [loops[k] for k in shared], [slid.get(k) or corners[k] for k in shared], given, own
-        )
-    for k, fill in zip(shared, made, strict=True):
-        results[k] = fill
-    for k in alone:
-        results[k] = _alone((positions, faces), rims[k], corners[k], given, counts.get(k))
-    return results
-
-
-def _alone(mesh, rim, corners, arguments, count, points=None):
-    """A tripatch.Fill or Refusal that goes through vertices, or joins several boundaries. points: where the vertices are, if not
-    where the mesh has them."""
-    loop, *islands = [[v.index for v in each] for each in rim.loops]
-    if count:
-        arguments = for_sides(arguments, 2 if len(islands) == 1 else count)
-    points = [mesh[0][v.index] for v in rim.inside] if points is None else points
-    corners = None if islands else corners
-    try:
-        return waiting.make(tripatch.fill, *mesh, rim=loop, corners=corners, islands=islands, through=list(points), **arguments)
-    except tripatch.Refusal as refusal:
-        return refusal
-    except ValueError as reason:  # a method that meets no points, or joins no boundaries
-        return tripatch.Refusal(tripatch.errors.because(reason), [v.index for v in rim.inside or rim.loop])
-
-
-def _is_by_side(arguments):
-    return any(isinstance(value, BySide) for value in arguments.values())
-
-
-@contextmanager
-def _saying_what_does_not_go():
-    """What the library says of options that do not go together, as a person may choose them, is an OptionsError."""
-    try:
-        yield
-    except (UnusableError, tripatch.Refusal):
-        raise
-    except ValueError as reason:
-        raise OptionsError(tripatch.errors.because(reason)) from None
-
-
-def _fill_all(*mesh, **arguments):
-    with _saying_what_does_not_go():
-        return waiting.fill_all(*mesh, **arguments)
-
-
-def _shared_or_each(mesh, loops, corners, arguments, counts=None):
-    """tripatch.fill_all; where values differ by side each number of sides has a call of its own. counts: the numbers of sides
-    where the corners do not say them."""
-    if not _is_by_side(arguments):
-        return _fill_all(*mesh, loops, corners=corners, **arguments)
-    counts = counts or [len(each or ()) or 1 for each in corners]
-    results: list[tripatch.Fill | tripatch.Refusal | None] = [None] * len(loops)
-    for count in set(counts):
-        same = [k for k, each in enumerate(counts) if each == count]
-        own = for_sides(arguments, count)
-        made = _fill_all(*mesh, [loops[k] for k in same], corners=[corners[k] for k in same], **own)
-        for k, fill in zip(same, made, strict=True):
-            results[k] = fill
-    return results
-
-
-def _sides(corners, loop, positions, faces, replaced):
-    """How many sides a rim has."""
-    if corners is not None:
-        return len(corners) or 1
-    try:
-        return len(tripatch.find_corners(positions, faces, loop, replaced=replaced, any_number=True)) or 1
-    except tripatch.Refusal:
-        return 1
-
-
 def _plans(bm, rims, there, world, keys, options, around, cage, progress):
     """For each rim a `Planned` fill and notes on it, or a Refusal and none.
 
@@ -391,7 +112,7 @@ def _plans(bm, rims, there, world, keys, options, around, cage, progress):
     positions, faces, replaced = around.around(*there)
     of_cage = {"subdivision": cage.near(faces)} if cage else {}
     results = []
-    for rim, fill in zip(rims, fills(rims, (positions, faces, replaced), options, progress, **of_cage), strict=True):
+    for rim, fill in zip(rims, calls.fills(rims, (positions, faces, replaced), options, progress, **of_cage), strict=True):
         if not isinstance(fill, tripatch.Refusal):
             try:
                 fill = _planned(bm, rim, world, fill, len(positions))
@@ -444,12 +165,14 @@ def _plan_shape_key(bm, rims, results, name, shape, arguments, world):
             moved = _moved_with_rim(plan, bm.verts.layers.shape[name])[list(guides)]
             points = moved @ world[:3, :3].T + world[:3, 3]
             own = by_method(method[k], arguments)
-            made[k] = _alone(in_shape, replace(rims[k], inside=[*guides.values()]), same[k], own, len(same[k] or ()) or 1, points)
+            made[k] = calls.alone(
+                in_shape, replace(rims[k], inside=[*guides.values()]), same[k], own, len(same[k] or ()) or 1, points
+            )
         elif rims[k].islands:
-            made[k] = _alone(in_shape, rims[k], None, by_method(method[k], arguments), 1)
+            made[k] = calls.alone(in_shape, rims[k], None, by_method(method[k], arguments), 1)
 
     def fill(keys, corners, given):
-        found = _shared_or_each(in_shape, [loops[k] for k in keys], [corners[k] for k in keys], given) if keys else []
+        found = calls.shared_or_each(in_shape, [loops[k] for k in keys], [corners[k] for k in keys], given) if keys else []
         return zip(keys, found, strict=True)
 
     # What auto takes may differ from shape to shape: then the hole gets what it has in the mesh, by its name. Cages are compared
@@ -545,7 +268,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None,
     active_shape: name of the shape key whose shape the vertices have now; modifier: the Subdivision modifier, for cages.
     touching: other rims with which these share tangent planes, but for cages, and which stay open.
     """
-    cages, outcome, new_faces = options.arguments.get("output") == "cage", Outcome(), []
+    cages, outcome, new_faces = options.arguments.get("output") == "cage", outcomes.Outcome(), []
     if cages:
         outcome.cage_rim = options.arguments.get("cage_rim", "smooth")
         if outcome.cage_rim == "exact" and modifier is not None and not modifier.use_creases:
@@ -555,7 +278,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None,
     planned, loops, said, made = [], [], [], []
     for group in _clear_of_each_other(rims) if apart else [rims]:
         usable = [rim for rim in group if all(element.is_valid for element in (*rim.vertices, *rim.replaced))]
-        outcome.refused += [Refused(tripatch.Message("boundary_replaced"))] * (len(group) - len(usable))
+        outcome.refused += [outcomes.Refused(tripatch.Message("boundary_replaced"))] * (len(group) - len(usable))
         if not usable:
             continue
         others = [] if apart else touching
@@ -563,7 +286,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None,
         for rim, (plan, notes) in zip(usable, plans[: len(usable)], strict=True):
             if isinstance(plan, tripatch.Refusal):
                 where = list(plan.where) or [v.index for v in rim.loop]
-                outcome.refused.append(Refused(words.refused(plan), where, rim=rim))
+                outcome.refused.append(outcomes.Refused(words.refused(plan), where, rim=rim))
                 said.append((rim.loop, []))
                 continue
             planned.append(plan)
@@ -673,7 +396,7 @@ def filtered(bm, matrix, rims, filters):
         return rims
     positions, faces, _ = Surroundings(bm, matrix).around(*rims)
     # The far borders of the faces around rims are no rims.
-    with _saying_what_does_not_go():
+    with calls.saying_what_does_not_go():
         chosen = {frozenset(loop.tolist()) for loop in tripatch.choose_holes(positions, faces, **(filters | {"outer": True}))}
     return [rim for rim in rims if frozenset(v.index for v in rim.loop) in chosen]
 

@@ -9,7 +9,7 @@ import bpy
 from mathutils import Vector
 from mathutils.kdtree import KDTree
 
-from . import attributes, filling, selection, subdivision, waiting, writeback
+from . import attributes, calls, filling, outcomes, selection, subdivision, waiting, writeback
 from .library import index_lists, np, tripatch, words
 
 # Of the extent; what Blender draws and what the library computes agree to float32.
@@ -103,16 +103,16 @@ def _fill_rims(ob, bm, modifier, matrix, rims, named, options):
     positions, faces_around = filling.mesh_arrays(bm, matrix)
     arrays = positions, faces_around, sorted(f.index for rim in rims for f in rim.replaced)
     settings = subdivision.Cage(bm, modifier).near(index_lists(faces_around))
-    fills = filling.fills(rims, arrays, options, subdivision=settings, level=subdivision.level_of(modifier))
+    fills = calls.fills(rims, arrays, options, subdivision=settings, level=subdivision.level_of(modifier))
     inverse = np.linalg.inv(matrix[:3, :3])
-    outcome, vertices, faces, materials, smooth = filling.Outcome(), [], [], [], []
+    outcome, vertices, faces, materials, smooth = outcomes.Outcome(), [], [], [], []
     drawn: Any = None
     tree: Any = None
     count = missing = 0
     said = []
     for rim, own, fill in zip(rims, named, fills, strict=True):
         if isinstance(fill, tripatch.Refusal):
-            outcome.refused.append(filling.Refused(words.refused(fill), [v.index for v in own.loop], ob))
+            outcome.refused.append(outcomes.Refused(words.refused(fill), [v.index for v in own.loop], ob))
             said.append((min(v.index for v in own.loop), []))
             continue
         if drawn is None:

@@ -17,12 +17,14 @@ import bpy
 from . import (
     between_patches,
     blends,
+    calls,
     copies,
     filling,
     joining,
     layers,
     limit_objects,
     mirrored,
+    outcomes,
     selection,
     sentences,
     smooth,
@@ -205,10 +207,10 @@ def _touching(ob, bm, loop):
 
 def _options(settings):
     arguments = {
-        name: filling.BySide(value) if isinstance(value, list) and len(value) == filling.MAX_SIDES else value
+        name: calls.BySide(value) if isinstance(value, list) and len(value) == calls.MAX_SIDES else value
         for name, value in settings["arguments"].items()
     }
-    return filling.Options(arguments, settings["corner_offset"], settings["shading"], settings["deviation"])
+    return calls.Options(arguments, settings["corner_offset"], settings["shading"], settings["deviation"])
 
 
 class _LeftOut(UnusableError):
@@ -216,7 +218,7 @@ class _LeftOut(UnusableError):
 
 
 def _filled(ob, bm, mesh, settings, options, active=None):
-    """Fills the hole of a live fill in a BMesh; returns (filling.Outcome, new faces), and the settings know where it is. active:
+    """Fills the hole of a live fill in a BMesh; returns (outcomes.Outcome, new faces), and the settings know where it is. active:
     name of the shape key whose shape the vertices have."""
     matrix = filling.world_matrix(ob.name, ob.matrix_world)
     half = find_half(ob, bm, settings) if settings.get("half") else None
@@ -236,7 +238,7 @@ def _filled(ob, bm, mesh, settings, options, active=None):
 
 
 def _fill_hole(fill, settings):
-    """Fills the mesh of a live fill of a hole again; returns the filling.Outcome."""
+    """Fills the mesh of a live fill of a hole again; returns the outcomes.Outcome."""
     (ob,) = around(fill)
     (bm, stand_ins), options = copies.copy(ob), _options(settings)
     try:
@@ -307,11 +309,11 @@ def refill(fill):
 
 def keep(ob, rims, options, halves=(), outer=True):
     """Live fills of holes of a mesh in edit mode, and of halves of holes, as mirrored.half_rims has them. Returns the
-    filling.Outcome. outer: of halves of outer borders too."""
-    outcome = filling.Outcome()
+    outcomes.Outcome. outer: of halves of outer borders too."""
+    outcome = outcomes.Outcome()
 
     def refuse(loop, sentence):
-        outcome.refused.append(filling.Refused(sentence, [v.index for v in loop], ob))
+        outcome.refused.append(outcomes.Refused(sentence, [v.index for v in loop], ob))
 
     for rim in rims:
         if rim.replaced:
@@ -370,7 +372,7 @@ def _begin_hole(ob, loop, how, options):
 
 
 def _keep_hole(ob, loop, fill):
-    """Fills the hole of a live fill that was begun, and joins it by a modifier. Returns the filling.Outcome; UnusableError if it
+    """Fills the hole of a live fill that was begun, and joins it by a modifier. Returns the outcomes.Outcome; UnusableError if it
     cannot be filled, and the live fill is gone."""
     try:
         outcome = _follow(fill)

@@ -14,7 +14,7 @@ import bmesh
 import bpy
 from mathutils import Matrix, Vector
 
-from . import filling, normals, selection
+from . import filling, normals, outcomes, selection
 from .library import tripatch
 
 # Of the mean length of a fill's edges: vertices that are nearer to the mirror plane are put on it, else slivers would be cut.
@@ -255,7 +255,7 @@ def image_of(bm, half):
 
 
 def fill(bm, mesh, matrix, half, options, outer=True, active=None, modifier=None):
-    """Fills a hole that a Mirror cuts in half. Returns (filling.Outcome, new faces), or (None, []) for the outer border of a mesh
+    """Fills a hole that a Mirror cuts in half. Returns (Outcome, new faces), or (None, []) for the outer border of a mesh
     where that is left. active, modifier: see filling.fill_rims."""
     told = _NormalsOnPlane(bm, mesh, half[0], [half[1][0], half[1][-1]])
     try:
@@ -265,9 +265,9 @@ def fill(bm, mesh, matrix, half, options, outer=True, active=None, modifier=None
 
 
 def fill_halves(ob, bm, matrix, halves, options, outer, active=None, modifier=None):
-    """Fills the holes that a Mirror modifier cuts in half. Returns (filling.Outcome, new faces, chains of the holes that were
+    """Fills the holes that a Mirror modifier cuts in half. Returns (Outcome, new faces, chains of the holes that were
     filled). outer: outer borders too."""
-    outcome, new_faces, filled = filling.Outcome(), [], []
+    outcome, new_faces, filled = outcomes.Outcome(), [], []
     for half in halves:
         made, faces = fill(bm, ob.data, matrix, half, options, outer, active, modifier)
         if made is None:
@@ -286,7 +286,7 @@ def _fill(bm, mesh, matrix, half, options, told, outer, active, modifier):
     with image_of(bm, half) as (rim, keep):
         told.write()
         if rim is None:
-            return filling.Outcome(refused=[filling.Refused(tripatch.Message("mirrored_hole_unclear"), own)]), []
+            return outcomes.Outcome(refused=[outcomes.Refused(tripatch.Message("mirrored_hole_unclear"), own)]), []
         if not outer and filling.is_outer(bm, matrix, rim):
             return None, []
         options = replace(options, mirrored=True)

@@ -13,7 +13,7 @@ from typing import Any
 import bmesh
 import bpy
 
-from . import copies, filling, joining, layers, live, selection, sentences, versions, writeback
+from . import calls, copies, filling, joining, layers, live, selection, sentences, versions, writeback
 from .library import np, tripatch
 from .selection import NothingToFill, UnusableError
 
@@ -255,7 +255,7 @@ def _signature(mesh, places):
 
 def _arguments(bm, rims, values):
     """Of tripatch.fill: quads among quads, triangles among triangles. Density 0 leaves it to the library."""
-    given = filling.matching_faces(selection.adjacent_sizes(bm, rims)) | {"bulge": max(values["Bulge"], 1e-3)}
+    given = calls.matching_faces(selection.adjacent_sizes(bm, rims)) | {"bulge": max(values["Bulge"], 1e-3)}
     return given | {"resolution": values["Density"] if values["Density"] > 0 else None}
 
 
@@ -278,7 +278,7 @@ def _fill_mesh(fill, ob, mesh, values):
         new, refused = [], []
         if rims:
             with writeback.layers_of_fills(bm):
-                outcome, new = filling.fill_rims(bm, mesh, matrix, rims, filling.Options(_arguments(bm, rims, values)))
+                outcome, new = filling.fill_rims(bm, mesh, matrix, rims, calls.Options(_arguments(bm, rims, values)))
             refused = [sentences.of_filled(each.sentence) for each in outcome.refused]
         live.write(fill, bm, set(new), mesh)
     finally:

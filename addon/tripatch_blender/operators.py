@@ -11,6 +11,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import (
+    calls,
     filling,
     following,
     layers,
@@ -19,6 +20,7 @@ from . import (
     live,
     mirrored,
     notches,
+    outcomes,
     panel,
     properties,
     records,
@@ -280,7 +282,7 @@ class FillSmooth(Construction, waiting.Waiting):
         arguments["resolution"] = None if self._computes else getattr(self, self.density())
         if self.faces() != "triangles":
             arguments["tolerance"] = None if self._is_computed("tolerance", 0) else self.tolerance
-        return filling.Options(arguments, self.corner_offset, self.shading, self.deviation, record=self._record())
+        return calls.Options(arguments, self.corner_offset, self.shading, self.deviation, record=self._record())
 
     def _record(self):
         """The properties that somebody or something has chosen, for Edit Fill."""
@@ -316,7 +318,7 @@ class FillSmooth(Construction, waiting.Waiting):
                 setattr(self, density, computed)
                 setattr(self, "computed_" + density, computed)
             if self.faces() != "triangles" and outcome.diameters and self._is_computed("tolerance", 0):
-                self.tolerance = self.computed_tolerance = filling.TOLERANCE * max(outcome.diameters)
+                self.tolerance = self.computed_tolerance = calls.TOLERANCE * max(outcome.diameters)
         for region in context.area.regions if context.area else ():
             if region.type == "HUD":
                 region.tag_redraw()  # it shows what an operator before had, until the mouse goes over it
@@ -338,7 +340,7 @@ class FillSmooth(Construction, waiting.Waiting):
             # A script that says how many edges its triangles have has chosen them.
             counted = self.properties.is_property_set("resolution") and not self._is_computed("resolution", 0)
             adjacent = Counter() if caged or counted else self._adjacent_sizes(ob)
-            self.computed_output = "cage" if caged else filling.matching_faces(adjacent)["output"]
+            self.computed_output = "cage" if caged else calls.matching_faces(adjacent)["output"]
         if self._is_computed("odd", None):
             continues = self.output == "auto" and self.computed_output == "quads"
             self.odd = self.computed_odd = "triangle" if continues else OPTIONS["odd"].default
@@ -379,8 +381,8 @@ class FillSmooth(Construction, waiting.Waiting):
         return objects
 
     def _fill_objects(self, context, objects, selected, meant):
-        outcomes: dict[str, filling.Outcome] = {}
-        nothing, unusable = filling.Outcome(), []
+        by_output: dict[str, outcomes.Outcome] = {}
+        nothing, unusable = outcomes.Outcome(), []
         refusals = selection.UnusableError, selection.OptionsError
         waiting.ahead([partial(self._fill_as_chosen, ob) for ob in meant], *refusals)
         for ob in meant:
@@ -390,16 +392,16 @@ class FillSmooth(Construction, waiting.Waiting):
             except selection.NothingToFill as reason:
                 nothing.left_open += reason.left
             except refusals as reason:
-                unusable.append(filling.Refused.because(reason, ob).of(name))
+                unusable.append(outcomes.Refused.because(reason, ob).of(name))
             else:
                 nothing.left_open += outcome.left_open
-                outcomes.setdefault(output, filling.Outcome()).add(replace(outcome, left_open=[]), name)
-        if outcomes:  # the panel shows the first
+                by_output.setdefault(output, outcomes.Outcome()).add(replace(outcome, left_open=[]), name)
+        if by_output:  # the panel shows the first
             if self.output == "auto":
-                self.computed_output = next(iter(outcomes))
-            self._show_computed(context, next(iter(outcomes.values())))
-        filled = [outcome for outcome in outcomes.values() if outcome.reports]
-        refused = [each for outcome in outcomes.values() for each in outcome.refused]
+                self.computed_output = next(iter(by_output))
+            self._show_computed(context, next(iter(by_output.values())))
+        filled = [outcome for outcome in by_output.values() if outcome.reports]
+        refused = [each for outcome in by_output.values() for each in outcome.refused]
         refused += unusable if selected or not filled else []
         in_words, of_filled = (
             (sentences.of_selected, sentences.of_filled) if self.by_hand else (sentences.for_people, sentences.for_people)
@@ -515,7 +517,7 @@ class FillSmooth(Construction, waiting.Waiting):
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
         _, selected, everything, known = self._looked_at.get(ob.name) or (bm, *_selected(bm, mesh), None)
         options = self._options()
-        halved, new_faces = filling.Outcome(), []
+        halved, new_faces = outcomes.Outcome(), []
         if self.surroundings != "limit":
             halves = self._half_rims(ob, bm, selected, everything)
             outer = self.outer or not (everything or len(halves) > 1)
@@ -551,7 +553,7 @@ class FillSmooth(Construction, waiting.Waiting):
 
     def _fill_found(self, ob, bm, rims, refused, left, options, selected, halved, new_faces):
         mesh, matrix = ob.data, filling.world_matrix(ob.name, ob.matrix_world)
-        rest = filling.Outcome(refused=[filling.Refused.because(reason, ob) for reason in refused], left_open=left)
+        rest = outcomes.Outcome(refused=[outcomes.Refused.because(reason, ob) for reason in refused], left_open=left)
         if options.arguments.get("surroundings") == "limit":
             outcome, _ = limit_objects.fill_rims(ob, bm, matrix, rims, options)
             outcome.add(rest)

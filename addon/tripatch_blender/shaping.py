@@ -12,7 +12,7 @@ import time
 from dataclasses import dataclass, field
 from typing import Any
 
-from . import filling, mirrored, records, selection, writeback
+from . import calls, filling, mirrored, records, selection, writeback
 from .library import index_lists, np, tripatch
 from .selection import Rim, UnusableError
 
@@ -61,10 +61,10 @@ class Shaping:
             raise UnusableError("tool_needs_open_hole")
         if mirrored.is_joined(ob, rim):
             raise UnusableError("tool_takes_no_halves")
-        if filling.is_a_point(rim):
+        if calls.is_a_point(rim):
             raise UnusableError("rim_is_point", rim.loop)
         self.name = ob.name
-        self._matching = filling.matching_faces(selection.adjacent_sizes(bm, [rim]))
+        self._matching = calls.matching_faces(selection.adjacent_sizes(bm, [rim]))
         self.set_arguments(arguments or {})
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
         positions, faces, _ = selection.Surroundings(bm, matrix).around(rim)
@@ -307,7 +307,7 @@ class Shaping:
         return all(e is not None and e.is_boundary for e in selection.edges_of(bm, loop))
 
     def write(self, ob, bm):
-        """Fills the hole in the mesh. Returns (filling.Outcome, new faces); UnusableError if the mesh has changed."""
+        """Fills the hole in the mesh. Returns (outcomes.Outcome, new faces); UnusableError if the mesh has changed."""
         with writeback.layers_of_fills(bm):
             return self._write(ob, bm)
 
@@ -321,7 +321,7 @@ class Shaping:
         active = ob.active_shape_key.name if ob.active_shape_key else None
         matrix = filling.world_matrix(ob.name, ob.matrix_world)
         arguments = self.options()
-        options = filling.Options(arguments, record=records.of_arguments(arguments))
+        options = calls.Options(arguments, record=records.of_arguments(arguments))
         return filling.fill_rims(bm, ob.data, matrix, [rim], options, active)
 
 

@@ -305,7 +305,7 @@ def _write_deviation(bm, planned, new_faces):
 
 def write(bm, mesh, all_planned, options):
     """Writes fills into the BMesh; returns the new faces. The BMesh is the one that they were planned on. options: see
-    filling.Options; layers are those that layers_of_fills has made."""
+    calls.Options; layers are those that layers_of_fills has made."""
     waiting.must_finish()
     if any(len(planned.fill.creases[0]) for planned in all_planned):
         subdivision.edge_crease_layer(bm)  # before any other layer is held

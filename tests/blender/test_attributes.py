@@ -509,7 +509,7 @@ class InPlane:
 
 def test_a_fill_over_a_plane_domain_takes_over_what_the_rim_has(addon):
     """Mean value coordinates reproduce linear functions of the place."""
-    filling = sys.modules[addon.__name__ + ".filling"]
+    filling, calls = (sys.modules[f"{addon.__name__}.{name}"] for name in ("filling", "calls"))
     points, faces = scenes.lattice()
     ob = scenes.add_mesh(scenes.flat(points), faces)
     mesh = ob.data
@@ -525,11 +525,11 @@ def test_a_fill_over_a_plane_domain_takes_over_what_the_rim_has(addon):
     rim = filling.open_holes(bm, np.eye(4))[0][0]
     around = filling.Surroundings(bm, np.eye(4))
     arrays = around.around(rim)
-    (fill,) = filling.fills([rim], arrays, filling.Options())
+    (fill,) = calls.fills([rim], arrays, calls.Options())
     made = InPlane(fill)
     made.rim_uv = arrays[0][fill.rim][:, :2]
     planned = filling._planned(bm, rim, np.eye(4), made, len(bm.verts))
-    new = filling.writeback.write(bm, mesh, [planned], filling.Options())
+    new = filling.writeback.write(bm, mesh, [planned], calls.Options())
     bm.to_mesh(mesh)
     bm.free()
     assert len(new) == len(mesh.polygons) - len(faces) > 0

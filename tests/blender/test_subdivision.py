@@ -153,13 +153,13 @@ def set_output(ob, **options):
 @pytest.mark.parametrize("change", CHANGES)
 def test_limit_points_of_the_library_are_those_of_the_modifier(addon, change, boundary):
     ob = add_cage(change=change, levels=3, boundary_smooth=boundary)
-    limit_objects, filling, selection = (part(addon, name) for name in ("limit_objects", "filling", "selection"))
+    calls, limit_objects, filling, selection = (part(addon, n) for n in ("calls", "limit_objects", "filling", "selection"))
     bm = bmesh.new()
     bm.from_mesh(ob.data)
     rims = selection.all_rims(bm)
     corners = [v for k, v in enumerate(rims[0].loop) if k % (len(rims[0].loop) // 3) == 0][:3]
     rims[0].corners = corners
-    options = filling.Options({"surroundings": "limit"})
+    options = calls.Options({"surroundings": "limit"})
     outcome, new = limit_objects.fill_rims(ob, bm, filling.world_matrix("", ob.matrix_world), rims, options)
     bm.free()
     assert outcome.reports and not any("not on the surface" in note for note in outcome.notes)
