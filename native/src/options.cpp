@@ -299,6 +299,8 @@ void check(const FillOptions& given) {
 #define OPTION_AT(path, name, ...) check_value(option_named(#name), given.path);
 #include "tripatch/options.def"
   check(given.own);
+  if (given.center && given.center_offset != 0)
+    throw CodedArgument(Code::options_exclusive, {{"first", "center"}, {"second", "center_offset"}});
 }
 
 void check(const MethodOptions& given) {

@@ -120,3 +120,10 @@ def test_a_needle_nearby_is_no_crease_however_it_is_turned(width, is_small):
     ]  # over the edge from (3, 6)
     fill = tripatch.fill(vertices, faces, rim=[4 * n + 4, 4 * n + 5, 5 * n + 5, 5 * n + 4])
     assert (fill.patch is None) == is_small
+
+
+def test_options_that_exclude_each_other_are_refused_where_nothing_is_shaped():
+    vertices = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
+    faces = [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5]]
+    with pytest.raises(ValueError, match="center_offset"):
+        tripatch.fill(vertices, faces, center=(1, 1, 1), center_offset=0.1)
