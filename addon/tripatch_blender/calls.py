@@ -117,8 +117,8 @@ def fills(rims, arrays, options, progress=None, **arguments):
     if _is_by_side(options.arguments):
         counts = {k: _sides(corners[k], loops[k], positions, faces, replaced) for k in found}
     given = options.arguments | {"replaced": replaced, "progress": progress} | arguments
-    alone = [k for k in found if rims[k].inside or rims[k].islands]
-    shared = [k for k in found if k not in alone]
+    by_themselves = [k for k in found if rims[k].inside or rims[k].islands]
+    shared = [k for k in found if k not in by_themselves]
     own = [counts[k] for k in shared if k in counts]
     made = shared_or_each((positions, faces), [loops[k] for k in shared], [corners[k] for k in shared], given, own)
     if options.corner_offset:
@@ -132,7 +132,7 @@ def fills(rims, arrays, options, progress=None, **arguments):
         )
     for k, fill in zip(shared, made, strict=True):
         results[k] = fill
-    for k in alone:
+    for k in by_themselves:
         results[k] = alone((positions, faces), rims[k], corners[k], given, counts.get(k))
     return results
 
