@@ -138,7 +138,7 @@ TEST_CASE("nothing is asked for a million times the size of the hole away", "[th
     bulging.bulge = share * 1e6;
     offset.center_offset = share * 1e6 * size;
     middle.center = Vec3(sides[0].c(0) + share * 1e6 * size * Vec3::UnitZ());
-    refused_where(bulging, "less than a million");
+    refused_where(bulging, "bulge must be less than");
     refused_where(offset, "center_offset is more than a million times");
     refused_where(middle, "center is more than a million times");
   }
