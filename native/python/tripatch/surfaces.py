@@ -345,10 +345,10 @@ def smooth_triangles(
         curve: over the edges: "hermite" (cubic, tangents as long as the arc) or "smits" (equations 4 to 9 of Smits 2000).
 
     Returns:
-        An object with `vertices` (the given ones first, then resolution - 1 points of every edge, then the faces' inner points:
-        of each face those at (resolution - j - k, j, k) / resolution of its corners, j and k from 1, by j first),
-        `faces` (resolution^2 triangles for each face, in order), exact unit `normals`, and `edges` (e, 2): point k = 1 .. of edge
-        j, counted from edges[j, 0], is vertex n + j (resolution - 1) + k - 1.
+        An object with `vertices`, `faces` (resolution^2 triangles for each face, in order), exact unit `normals` and `edges`
+        (e, 2). The given vertices come first, then resolution - 1 points of every edge, then the faces' inner points. Those of a
+        face lie at (resolution - j - k, j, k) / resolution of its corners, j and k from 1, by j first. Point k = 1 .. of edge j,
+        counted from edges[j, 0], is vertex n + j (resolution - 1) + k - 1.
 
     Raises:
         Refusal: a face that is no triangle, or has no area; a normal that is zero, along an edge, or not finite.

@@ -19,7 +19,7 @@ struct RimCorner {
 
 /// rim: places in a convex plane domain, counterclockwise, a row each; corners: two or more, by rising place. rows: extra rows of
 /// quads along the whole rim. The region is a grid (four corners, opposite counts equal), or has one pole from which a spoke goes
-/// to each side (3, 5, 6), or is cut into two such pieces (2 = 3 + 3, 4 = 3 + 5, 6 = 5 + 5). A search finds the integers of the
+/// to each side (3, 5, 6). Else it is cut into two such pieces (2 = 3 + 3, 4 = 3 + 5, 6 = 5 + 5). A search finds the integers of the
 /// most regular coarse layout in the domain. Corners so blunt that two quads fit them better than one may count as straight (a
 /// regular octagon becomes a grid with four corners). Of the few best, embedded and smoothed, the one with the largest least
 /// scaled Jacobian is taken; fewer poles win where that is equal. An even rim gives quads only, an odd one a triangle besides.
