@@ -83,3 +83,9 @@ def test_fills_that_are_faces_of_the_mesh_pass_through_it_as_before(output):
     assert at_fin(fill.passes_through)
     without_fin = [k for k, face in enumerate(whole) if min(face) < len(PLATE[0]) or of_face[k] == 0]
     assert passages.of_faces(made, [whole[k] for k in without_fin], [of_face[k] for k in without_fin]) == [None]
+
+
+def test_in_a_window_no_vertex_is_named():
+    said = tripatch.Message("fill_passes_through", {"place": "(0, 1, 2)"}, [4])
+    assert str(said) == "The fill at vertex 4 passes through the mesh near (0, 1, 2)"
+    assert said.worded(panel=True, vertices="unnamed") == "The fill passes through the mesh near (0, 1, 2)"
