@@ -69,12 +69,15 @@ def test_too_little_memory(mesh):
     assert [p.name for p in mesh.parent.iterdir()] == [mesh.name]
 
 
-@pytest.mark.parametrize("out", ["not/there/out.obj", "folder", "folder/."])
-def test_places_that_cannot_be_written(out, mesh, capsys):
+@pytest.mark.parametrize(
+    ("out", "reason"),
+    [("not/there/out.obj", "does not exist"), ("folder", "cannot be written"), ("folder/.", "cannot be written")],
+)
+def test_places_that_cannot_be_written(out, reason, mesh, capsys):
     (mesh.parent / "folder").mkdir()
     before = mesh.read_bytes()
     assert main(["fill", str(mesh), str(mesh.parent / out)]) == 2
-    assert "cannot be written" in capsys.readouterr().err
+    assert reason in capsys.readouterr().err
     assert mesh.read_bytes() == before and not list((mesh.parent / "folder").iterdir())
 
 
