@@ -321,12 +321,13 @@ def _passages(bm, matrix, new_faces, counts, cage):
     its own."""
     bm.verts.index_update()
     bm.faces.index_update()
-    positions, faces = mesh_arrays(bm, matrix)
+    positions, offsets, corners = flat_arrays(bm, matrix)
     fill_of_face = np.full(len(bm.faces), -1)
     for face, fill in zip(new_faces, np.repeat(np.arange(len(counts)), counts).tolist(), strict=True):
         if face.is_valid:
             fill_of_face[face.index] = fill
-    return passages.of_faces(positions, faces, fill_of_face.tolist(), cage.near(index_lists(faces)) if cage else None)
+    subdivided = cage.near(_lists(offsets, corners)) if cage else None
+    return passages.of_faces(positions, offsets, corners, fill_of_face.tolist(), subdivided)
 
 
 def passes(place, loop):
@@ -340,8 +341,9 @@ def diameter(loop, matrix):
     return float(max(np.linalg.norm(points - p, axis=1).max() for p in points))
 
 
-def mesh_arrays(bm, matrix):
-    """Positions (n, 3) in the world and faces of all of a BMesh, for the library. Indices must be up to date."""
+def flat_arrays(bm, matrix):
+    """Positions (n, 3) in the world of all of a BMesh, and offsets (m + 1,) of its faces into their corners. Indices must be up
+    to date."""
     mesh = bpy.data.meshes.new("TriPatch")  # a copy is read ten times as fast as the BMesh
     try:
         bm.to_mesh(mesh)
@@ -352,9 +354,20 @@ def mesh_arrays(bm, matrix):
         mesh.polygons.foreach_get("loop_total", sizes)
     finally:
         bpy.data.meshes.remove(mesh)
+    offsets = np.concatenate([[0], np.cumsum(sizes, dtype=np.int64)])
+    return places.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3], offsets, corners.astype(np.int64)
+
+
+def mesh_arrays(bm, matrix):
+    """Positions (n, 3) in the world and faces of all of a BMesh, for the library. Indices must be up to date."""
+    positions, offsets, corners = flat_arrays(bm, matrix)
+    sizes = np.diff(offsets)
     same = len(sizes) and sizes[0] in (3, 4) and (sizes == sizes[0]).all()
-    faces = corners.reshape(-1, sizes[0]) if same else [face.tolist() for face in np.split(corners, np.cumsum(sizes)[:-1])]
-    return places.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3], faces
+    return positions, corners.reshape(-1, sizes[0]) if same else _lists(offsets, corners)
+
+
+def _lists(offsets, corners):
+    return [face.tolist() for face in np.split(corners, offsets[1:-1])]
 
 
 def _numbers(rim):

@@ -79,10 +79,10 @@ def test_fills_that_are_faces_of_the_mesh_pass_through_it_as_before(output):
     made = np.concatenate([vertices, fill.vertices])
     made[fill.moved[0]] = fill.moved[1]
     of_face = [-1] * len(faces) + [0] * len(fill.faces)
-    assert passages.of_faces(made, whole, of_face, {} if output == "cage" else None) == [fill.passes_through]
+    assert passages.of_faces(made, *_arrays.faces(whole), of_face, {} if output == "cage" else None) == [fill.passes_through]
     assert at_fin(fill.passes_through)
     without_fin = [k for k, face in enumerate(whole) if min(face) < len(PLATE[0]) or of_face[k] == 0]
-    assert passages.of_faces(made, [whole[k] for k in without_fin], [of_face[k] for k in without_fin]) == [None]
+    assert passages.of_faces(made, *_arrays.faces([whole[k] for k in without_fin]), [of_face[k] for k in without_fin]) == [None]
 
 
 def test_in_a_window_no_vertex_is_named():

@@ -119,8 +119,8 @@ def test_names_in_a_room_are_unique(room):
 
 
 def test_rooms_call_back_for_few_reasons():
-    """The functions of a user, how far the work is, what vertices are called, what threads share, and how uncertain tangent planes
-    are before a patch is made of them."""
+    """The functions of a user, how far the work is, what vertices are called, what threads share, and how uncertain tangent
+    planes are before a patch is made of them."""
     allowed = {
         "piecewise_polynomial.h",
         "piecewise_polynomial.cpp",

@@ -10,7 +10,7 @@ from . import _arrays, _native
 from .options import subdivision as settings_of
 
 if TYPE_CHECKING:
-    from ._types import ArrayLike, Faces
+    from ._types import Array
     from .filling import Fill
 
 Place = tuple[float, float, float]
@@ -26,15 +26,14 @@ def of_cages(fills: list[Fill]) -> list[Place | None]:
 
 
 def of_faces(
-    vertices: ArrayLike, faces: Faces, fill_of_face: list[int], subdivision: dict[str, Any] | None = None
+    vertices: Array, offsets: Array, corners: Array, fill_of_face: list[int], subdivision: dict[str, Any] | None = None
 ) -> list[Place | None]:
     """For each fill a place where it passes through other faces of the mesh that it is in.
 
     Args:
-        vertices: (n, 3) positions.
-        faces: (m, 3) or (m, 4) int array, or a list of index lists.
+        vertices, offsets, corners: (n, 3) positions; face f has corners[offsets[f]] .. corners[offsets[f + 1] - 1].
         fill_of_face: (m,) the number of the fill that a face is of, from 0 on; -1: of none.
         subdivision: as the option of `fill`: the mesh is a cage, and its limit surface is looked at.
     """
     settings = None if subdivision is None else settings_of(subdivision)
-    return _native._passages_of_faces(*_arrays.mesh(vertices, faces), fill_of_face, settings)
+    return _native._passages_of_faces(vertices, offsets, corners, fill_of_face, settings)
