@@ -305,7 +305,7 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None,
         new_faces += writeback.write(bm, mesh, planned, options)
     if made:
         counts = [count for _, count in made]
-        outcome.passages = _passages(bm, matrix, new_faces, counts, subdivision.Cage(bm, modifier) if cages else None)
+        outcome.passages = _passages(bm, matrix, new_faces, counts, cages, modifier)
     for ((loop, told), _), place in zip(made, outcome.passages, strict=True):
         told += passes(place, loop)
     new_faces = [face for face in new_faces if face.is_valid]
@@ -316,9 +316,9 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None,
     return outcome, new_faces
 
 
-def _passages(bm, matrix, new_faces, counts, cage):
+def _passages(bm, matrix, new_faces, counts, cages, modifier):
     """For each fill a place where it passes through the mesh that it is in now, or None. counts: how many of the new faces are
-    its own."""
+    its own; cages, modifier: whether the fills are cages, and what subdivides them."""
     bm.verts.index_update()
     bm.faces.index_update()
     positions, offsets, corners = flat_arrays(bm, matrix)
@@ -326,7 +326,7 @@ def _passages(bm, matrix, new_faces, counts, cage):
     for face, fill in zip(new_faces, np.repeat(np.arange(len(counts)), counts).tolist(), strict=True):
         if face.is_valid:
             fill_of_face[face.index] = fill
-    subdivided = cage.near(_lists(offsets, corners)) if cage else None
+    subdivided = subdivision.Cage(bm, modifier).near(_lists(offsets, corners)) if cages else None
     return passages.of_faces(positions, offsets, corners, fill_of_face.tolist(), subdivided)
 
 
