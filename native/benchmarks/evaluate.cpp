@@ -57,12 +57,12 @@ std::vector<double> even(int n) {
   return t;
 }
 
-void triangles(benchmark::State& state, std::array<int, 3> counts) {
+void triangles(benchmark::State& state, std::array<int, 3> counts, std::optional<int> resolution = {}) {
   const SurfacePtr patch = find_method("side_vertex").from_boundary(make_boundary(octant()), {});
   const std::array<std::vector<double>, 3> parameters = {even(counts[0]), even(counts[1]), even(counts[2])};
   std::size_t made = 0;
   for (auto _ : state) {
-    made = triangulate(parameters, {}, *patch).triangles.size();
+    made = triangulate(parameters, resolution, *patch).triangles.size();
     benchmark::DoNotOptimize(made);
   }
   state.SetItemsProcessed(state.iterations() * static_cast<Index>(made));
@@ -89,6 +89,9 @@ const bool registered = [] {
     benchmark::RegisterBenchmark(
         ("triangulate/" + std::to_string(counts[0]) + "/" + std::to_string(counts[1]) + "/" + std::to_string(counts[2])).c_str(),
         [counts](benchmark::State& state) { triangles(state, counts); });
+  for (int resolution : {199, 1000})
+    benchmark::RegisterBenchmark(("triangulate/32/32/32/resolution:" + std::to_string(resolution)).c_str(),
+                                 [resolution](benchmark::State& state) { triangles(state, {32, 32, 32}, resolution); });
   benchmark::RegisterBenchmark("report", report);
   return true;
 }();

@@ -329,6 +329,30 @@ TEST_CASE("resolution sets how many triangles a polygon gets inside") {
   CHECK(triangles_wanted(p, 1000) > 1e6);
 }
 
+TEST_CASE("a resolution far above the edges of a polygon is met by lattices inside, around islands and creases") {
+  const Graph surface(wave);
+  PlanePolygon p = polygon({circle(48), circle(12, 0.2, true, {0.3, 0.3})}, surface);
+  std::set<std::pair<Index, Index>> rim;
+  for (const auto& [edge, count] : directed_edges(p.triangles)) rim.insert(edge);
+  for (const auto& t : p.triangles)
+    for (int k = 0; k < 3 && p.creases.empty(); ++k)
+      if (rim.count({t[(k + 1) % 3], t[k]})) p.creases = {{t[k], t[(k + 1) % 3]}};
+  REQUIRE(p.creases.size() == 1);
+  const double chord = (p.uv.row(p.creases[0][0]) - p.uv.row(p.creases[0][1])).norm();
+  const PlaneTriangulation m = remesh(p, 300, surface), few = remesh(p, 150, surface);
+  CHECK(flaw(p, m, surface) == "");
+  CHECK(m.triangles.size() > 3 * few.triangles.size());
+  CHECK(m.triangles.size() < 5 * few.triangles.size());
+  CHECK(smallest_angle(m) > 0.5 * smallest_angle(few));
+  double crease = 0;
+  const auto directed = directed_edges(m.triangles);
+  for (const auto& [a, b] : m.creases) {
+    CHECK(directed.count({a, b}));
+    crease += (m.uv.row(a) - m.uv.row(b)).norm();
+  }
+  CHECK(crease == Approx(chord));
+}
+
 TEST_CASE("a remeshed polygon is the same moved and scaled, and every time") {
   const Graph surface(wave);
   const PlanePolygon p = polygon({circle(40)}, surface);

@@ -25,6 +25,7 @@ public:
 
 private:
   double wanted(const Vec3&) const override { return 1; }
+  Points positions(const std::vector<Vec3>&) const override { return {}; }
   bool wants_flip(int, int, int, int) const override { return false; }
 };
 
@@ -50,6 +51,7 @@ public:
 
 private:
   double wanted(const Vec3&) const override { return 1; }
+  Points positions(const std::vector<Vec3>&) const override { return {}; }
   bool wants_flip(int, int, int, int) const override { return false; }
   Vec2 across_;
 };
@@ -69,6 +71,7 @@ public:
 
 private:
   double wanted(const Vec3&) const override { return 1; }
+  Points positions(const std::vector<Vec3>&) const override { return {}; }
   bool wants_flip(int, int, int, int) const override { return false; }
 };
 
@@ -93,6 +96,7 @@ public:
 
 private:
   double wanted(const Vec3&) const override { return 2; }
+  Points positions(const std::vector<Vec3>&) const override { return {}; }
   bool wants_flip(int, int, int, int) const override { return false; }
   bool may_join(int from, int) const override { return from == 0; }
 };
@@ -120,6 +124,7 @@ public:
 
 private:
   double wanted(const Vec3&) const override { return 1; }
+  Points positions(const std::vector<Vec3>&) const override { return {}; }
   bool wants_flip(int, int, int, int) const override { return ++looks_at_ < wanted_; }
   mutable int looks_at_ = 0;
   int wanted_ = 0;

@@ -111,6 +111,36 @@ TEST_CASE("a fill that follows its rim is coarser inside where it would have mor
   CHECK(above < 0.75);
 }
 
+namespace {
+
+/// Of the triangles whose corners lie each in the middle of six neighbors, as those of a lattice do inside, how many there are and the least shape.
+std::pair<Index, double> lattices_of(const TriangleMesh& mesh) {
+  const Index n = mesh.barycentric.rows();
+  Points sum = Points::Zero(n, 3);
+  std::vector<int> count(n, 0);
+  for (const auto& t : mesh.triangles)
+    for (int k = 0; k < 3; ++k) sum.row(t[k]) += mesh.barycentric.row(t[(k + 1) % 3]), ++count[t[k]];
+  const auto is_regular = [&](Index v) {
+    return count[v] == 6 && (sum.row(v) / 6 - mesh.barycentric.row(v)).cwiseAbs().maxCoeff() < 1e-12;
+  };
+  const Points x = flat.positions(mesh.barycentric);
+  std::pair<Index, double> found = {0, 1};
+  for (const auto& t : mesh.triangles)
+    if (is_regular(t[0]) && is_regular(t[1]) && is_regular(t[2]))
+      ++found.first, found.second = std::min(found.second, shape(x.row(t[0]), x.row(t[1]), x.row(t[2])));
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("triangles of a shape of 0.7 and more become lattices", "[thresholds]") {
+  double least = 1;
+  for (int edges : {1, 3, 5, 7})
+    least = std::min(least, lattices_of(triangulate(graded(edges), 4 * coarse_resolution, flat)).second);
+  CHECK(least >= lattice_shape);
+  CHECK(least < lattice_shape + 0.1);
+}
+
 TEST_CASE("a point lies on an edge of a plane domain to rounding of its angle", "[thresholds]") {
   const Values rim = (Values(4, 2) << 0, 0, 1, 0, 1, 1, 0, 1).finished();
   // 1 + cos is 8 h^2 at the height h over the middle of an edge of length 1

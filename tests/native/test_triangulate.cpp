@@ -239,6 +239,45 @@ TEST_CASE("resolution sets how many triangles there are inside") {
   CHECK(triangulate(three, 16, octant).triangles.size() > 20);
 }
 
+/// Of the inner vertices, the share that lies amid two of its neighbors in the domain, as those of a lattice do.
+double lattice_share(const TriangleMesh& mesh) {
+  const Index n = mesh.barycentric.rows();
+  std::vector<std::vector<Index>> next(n);
+  for (const auto& t : mesh.triangles)
+    for (int k = 0; k < 3; ++k) next[t[k]].push_back(t[(k + 1) % 3]);
+  Index found = 0;
+  for (Index v = mesh.rim; v < n; ++v) {
+    bool amid = false;
+    for (Index a : next[v])
+      for (Index b : next[v])
+        amid |= ((mesh.barycentric.row(a) + mesh.barycentric.row(b)) / 2 - mesh.barycentric.row(v)).cwiseAbs().maxCoeff() < 1e-12;
+    found += amid;
+  }
+  return static_cast<double>(found) / static_cast<double>(n - mesh.rim);
+}
+
+TEST_CASE("a resolution far above the edges of the rim is met by lattices inside and as good triangles") {
+  for (int edges : {32, 3}) {
+    CAPTURE(edges);
+    const Parameters p = {graded(edges), graded(edges), graded(edges)};
+    const TriangleMesh without = triangulate(p, 110, octant), with = triangulate(p, 220, octant);
+    REQUIRE(flaw(p, with) == "");
+    CHECK(lattice_share(without) < 0.05);
+    CHECK(lattice_share(with) > 0.4);
+    CHECK(static_cast<double>(with.triangles.size()) > 3 * static_cast<double>(without.triangles.size()));
+    CHECK(static_cast<double>(with.triangles.size()) < 5 * static_cast<double>(without.triangles.size()));
+    const Angles before = angles(without, octant), after = angles(with, octant);
+    CHECK(after.smallest > std::min(before.smallest, 10.0) / 2);
+    CHECK(after.under_20 < 0.01 * static_cast<double>(with.triangles.size()));
+  }
+}
+
+TEST_CASE("a resolution is met by lattices from two rows on", "[thresholds]") {
+  const Parameters p = {graded(32), graded(32), graded(32)};
+  CHECK(lattice_share(triangulate(p, 199, octant)) < 0.05);
+  CHECK(lattice_share(triangulate(p, 200, octant)) > 0.4);
+}
+
 TEST_CASE("sizes grow from a fine side to a coarse one") {
   const Parameters p = {graded(60), graded(6), graded(6)};
   const TriangleMesh mesh = triangulate(p, {}, flat);

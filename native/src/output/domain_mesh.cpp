@@ -62,6 +62,9 @@ void DomainMesh::bound_triangles(double count, double edges, std::optional<int> 
   }
   if (count > most) coarser_ = std::sqrt(count / most);
   most_ = std::min(max_over * (std::min(count, most) + edges), bound);
+  rows_ = std::max(1, resolution.value_or(1) / coarse_resolution);
+  coarser_ *= rows_;
+  most_ /= rows_ * rows_;
 }
 
 int DomainMesh::add_vertex(const Vec3& b, const Vec3& x) {
@@ -69,6 +72,7 @@ int DomainMesh::add_vertex(const Vec3& b, const Vec3& x) {
   x_.push_back(x);
   size_.push_back(0);
   triangle_of_.push_back(-1);
+  on_lattice_.push_back(0);
   return static_cast<int>(b_.size()) - 1;
 }
 
@@ -111,7 +115,7 @@ void DomainMesh::raise_beside_rim(double fall) {
   for (const Triangle& f : triangles_)
     for (int k = 0; k < 3 && f.v[0] >= 0; ++k) {
       const int a = f.v[(k + 1) % 3], b = f.v[(k + 2) % 3], apex = f.v[k];
-      if (f.n[k] >= 0 || on_rim(apex) || !rim_is_complete(a, b)) continue;
+      if (f.n[k] != at_rim || on_rim(apex) || !rim_is_complete(a, b)) continue;
       const Vec3 e = x_[b] - x_[a];
       const double height = e.cross(x_[apex] - x_[a]).norm() / std::max(e.norm(), 1e-300);
       size_[apex] = std::max(size_[apex], e.norm() - fall * height);
@@ -136,7 +140,7 @@ void DomainMesh::split_edge(int t, int k, int m) {
     const int apex = old.v[j], second = old.v[(j + 2) % 3], beyond = old.n[(j + 1) % 3];
     old.v[(j + 2) % 3] = m;
     old.n[(j + 1) % 3] = made;
-    triangles_.push_back({{apex, m, second}, {-1, beyond, f}});
+    triangles_.push_back({{apex, m, second}, {old.n[j], beyond, f}});
     link(beyond, f, made);
     triangle_of_[second] = made;
     triangle_of_[apex] = made;

@@ -142,7 +142,7 @@ public:
         given_(static_cast<int>(polygon.uv.rows())) {
     for (Index v = 0; v < given_; ++v) {
       const Vec2 uv = (polygon.uv.row(v).transpose() - sizes_.middle()) / sizes_.scale();
-      add(Vec3(0, uv[0], uv[1]), polygon.points.row(v));
+      add_vertex(Vec3(0, uv[0], uv[1]), polygon.points.row(v));
     }
     set_lowest(polygon.size);
     for (const auto& [a, b] : polygon.joined) joined_.push_back(ordered(a, b));
@@ -158,6 +158,17 @@ public:
   PlaneTriangulation run(const MostTriangles& most) {
     look_at_all();
     flip_all();
+    if (!remesh(most)) return unfinished();
+    if (take_lattices_out()) remesh(most);
+    while (split_joined()) {
+    }
+    add_lattices();
+    return result();
+  }
+
+private:
+  /// False where it has come to more.
+  bool remesh(const MostTriangles& most) {
     int nearly_done = 0;
     for (int pass = 0; pass < max_passes; ++pass) {
       limit_sizes();
@@ -169,7 +180,7 @@ public:
         flip_all();
         smooth(false);
       }
-      if (is_more_than(most)) return unfinished();
+      if (is_more_than(most)) return false;
       if (splits == 0) break;
       if (!crease_halved_ && 30 * splits < triangles_.size() && ++nearly_done > 1) break;
     }
@@ -182,12 +193,9 @@ public:
       }
       flip_all();
     }
-    while (split_joined()) {
-    }
-    return result();
+    return true;
   }
 
-private:
   bool is_more_than(const MostTriangles& most) const {
     if (alive_triangles() <= most.count) return false;
     double twice = 0;
@@ -202,9 +210,9 @@ private:
     return made;
   }
 
-  int add(const Vec3& b, const Vec3& x) {
+  int add_vertex(const Vec3& b, const Vec3& x) override {
     on_crease_.push_back(0);
-    return add_vertex(b, x);
+    return DomainMesh::add_vertex(b, x);
   }
 
   void connect() {
@@ -243,7 +251,7 @@ private:
   }
 
   double wanted(const Vec3& b) const override { return coarser_ * sizes_.at(sizes_.middle() + sizes_.scale() * b.tail<2>()); }
-  bool is_fixed(int v) const override { return v < given_ || on_crease_[v]; }
+  bool is_fixed(int v) const override { return v < given_ || on_crease_[v] || on_lattice_[v]; }
   bool is_joined(int a, int b) const {
     return on_rim(a) && on_rim(b) && std::binary_search(joined_.begin(), joined_.end(), ordered(a, b));
   }
@@ -319,7 +327,7 @@ private:
     for (std::size_t row = 0; row < chosen.size(); ++row) {
       const Edge& e = chosen[row];
       const int a = triangles_[e.triangle].v[(e.k + 1) % 3], b = triangles_[e.triangle].v[(e.k + 2) % 3];
-      const int m = add(middles[row], x.row(static_cast<Index>(row)));
+      const int m = add_vertex(middles[row], x.row(static_cast<Index>(row)));
       size_[m] = std::min(wanted(middles[row]), size_of_edge(a, b) + growth * length(a, b) / 2);
       if (is_crease(a, b)) {
         creases_.erase(ordered(a, b));
@@ -376,7 +384,7 @@ private:
     look_at_all();
   }
 
-  Points positions(const std::vector<Vec3>& b) const {
+  Points positions(const std::vector<Vec3>& b) const override {
     Points uv(static_cast<Index>(b.size()), 3);
     for (Index k = 0; k < uv.rows(); ++k) uv.row(k) << uv_of(b[k]).transpose(), 0;
     return uv.rows() ? surface_.positions(uv) : uv;

@@ -81,6 +81,14 @@ public:
   }
 
   TriangleMesh run() {
+    remesh();
+    if (take_lattices_out()) remesh();
+    add_lattices();
+    return result();
+  }
+
+private:
+  void remesh() {
     int nearly_done = 0;
     for (int pass = 0; pass < 200; ++pass) {
       limit_sizes();
@@ -101,11 +109,9 @@ public:
         smooth(true);
       }
     flip_all();
-    return result();
   }
 
-private:
-  int add_vertex(const Vec3& b, const Vec3& x) {
+  int add_vertex(const Vec3& b, const Vec3& x) override {
     side_.push_back(static_cast<std::uint8_t>((b[0] == 0) | (b[1] == 0) << 1 | (b[2] == 0) << 2));
     return DomainMesh::add_vertex(b, x);
   }
@@ -179,7 +185,7 @@ private:
   bool rim_complete() const {
     for (const Triangle& f : triangles_)
       for (int k = 0; k < 3; ++k)
-        if (f.v[0] >= 0 && f.n[k] < 0 && rim_vertices_between(f.v[(k + 1) % 3], f.v[(k + 2) % 3])) return false;
+        if (f.v[0] >= 0 && f.n[k] == at_rim && rim_vertices_between(f.v[(k + 1) % 3], f.v[(k + 2) % 3])) return false;
     return true;
   }
   /// The rim vertex between two that is nearest to the middle of the chord's parameters.
@@ -210,7 +216,7 @@ private:
       if (f.v[0] < 0) continue;
       for (int k = 0; k < 3; ++k) {
         const int a = f.v[(k + 1) % 3], b = f.v[(k + 2) % 3];
-        if (f.n[k] < 0) {
+        if (f.n[k] == at_rim) {
           const int between = rim_vertices_between(a, b);
           if (between) edges.push_back({t, k, coarse(between + 1)});
         } else if (inner && t < f.n[k]) {
@@ -275,7 +281,7 @@ private:
     std::vector<int> who;
     std::vector<Vec3> where;
     for (int v = rim_; v < static_cast<int>(b_.size()); ++v) {
-      if (triangle_of_[v] < 0) continue;
+      if (triangle_of_[v] < 0 || is_fixed(v)) continue;
       const std::optional<Way> way = way_of(v);
       if (!way) continue;
       Vec2 step = way->step;
@@ -303,7 +309,7 @@ private:
     return {1 - b1 - b2, b1, b2};
   }
 
-  Points positions(const std::vector<Vec3>& b) const {
+  Points positions(const std::vector<Vec3>& b) const override {
     if (b.empty()) return Points(0, 3);
     return patch_.positions(Eigen::Map<const Points>(b.front().data(), static_cast<Index>(b.size()), 3));
   }

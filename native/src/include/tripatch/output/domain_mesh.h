@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -17,6 +18,12 @@ double shape(const Vec3& a, const Vec3& b, const Vec3& c);
 
 /// As many triangles as this per squared edge of the rim at most, where no resolution is given.
 constexpr double triangles_per_squared_edge = 5;
+
+/// Remesh at about this resolution and cut the triangles far from the rim in rows, once a resolution of twice this is asked for. At 100 the
+/// remesher takes 0.1 to 0.3 s, and its triangles follow the sizes as well as finer ones.
+constexpr int coarse_resolution = 100;
+/// Of such triangles, those of a lower shape (a least angle of some 28 degrees) are left to the remesher: a lattice has their angles.
+constexpr double lattice_shape = 0.7;
 
 constexpr double area_of_triangle = 0.43;  ///< of squared edge length: that of an equilateral one
 
@@ -38,9 +45,10 @@ protected:
   static constexpr double rounding =
       1e-9;  // of an area, per length: ten times that of coordinates from 0 to 1 read far from the origin
 
+  static constexpr int at_rim = -1, at_lattice = -2;
   struct Triangle {
     std::array<int, 3> v;  // v[0] < 0: removed
-    std::array<int, 3> n;  // n[k]: the triangle across the edge opposite v[k], -1 at the rim
+    std::array<int, 3> n;  // n[k]: the triangle across the edge opposite v[k], or at_rim, or at_lattice
   };
   struct Corner {
     int triangle, k;
@@ -74,15 +82,18 @@ protected:
   /// Should edge a-b between triangles (c, a, b) and (d, b, a) become c-d?
   virtual bool wants_flip(int a, int b, int c, int d) const = 0;
   /// Neither moved nor taken away.
-  virtual bool is_fixed(int v) const { return on_rim(v); }
+  virtual bool is_fixed(int v) const { return on_rim(v) || on_lattice_[v]; }
   /// May an edge join them?
   virtual bool may_join(int, int) const { return true; }
+
+  /// On the surface.
+  virtual Points positions(const std::vector<Vec3>& b) const = 0;
 
   /// Of `count` triangles that the wanted sizes ask for, before any is made: not more than the rim or the resolution do, which says the
   /// sizes inside.
   void bound_triangles(double count, double edges, std::optional<int> resolution);
 
-  int add_vertex(const Vec3& b, const Vec3& x);
+  virtual int add_vertex(const Vec3& b, const Vec3& x);
   /// Once all vertices of the rim are there: how far rounding may move them, in a hole of that size or theirs.
   void set_lowest(double size = 0);
   bool on_rim(int v) const { return v < rim_; }
@@ -130,6 +141,13 @@ protected:
   /// not known.
   std::optional<Way> way_of(int v);
 
+  /// Of a mesh whose triangles are as large as `rows_` rows of the wanted sizes: takes those out whose sizes the rim does not change. They
+  /// become lattices. What is left is a band along the rim, to be remeshed again; its inner border has the vertices of the lattices, which stay.
+  /// False if there is but one row: then nothing is left to do.
+  bool take_lattices_out();
+  /// The last step: the triangles of the lattices have no neighbors.
+  void add_lattices();
+
   bool star_is_valid(int v, const Vec3& b);
   /// The worst shape around v when it stands at x; negative where a triangle faces away from the others.
   double star_quality(int v, const Vec3& x);
@@ -138,6 +156,7 @@ protected:
   double lowest_ = 0;     // height of a triangle in space up to which it may be rounding
   double decline_ = 0.8;  // of the size per distance, where the rim is coarser
   double coarser_ = 1;    // the inside than the wanted sizes
+  int rows_ = 1;          // of a lattice
   double most_ = 0;       // triangles beyond which no inner edge is split
   std::size_t looks_ = many_looks;
   std::vector<Vec3> b_;  // in the domain: the last two coordinates count
@@ -146,10 +165,14 @@ protected:
   std::vector<int> triangle_of_;  // one triangle of each vertex, -1: removed
   std::vector<Triangle> triangles_;
   std::vector<std::array<int, 2>> dirty_;  // edges (triangle, opposite corner) to be looked at
+  std::vector<char> on_lattice_;           // whether a vertex is a corner of one or on an edge of one
 
 private:
   void raise_beside_rim(double fall);
   bool collapse(int v, int w);
+  void cut_edges_of_lattices();
+  /// The vertex so many rows from one corner of a lattice to another.
+  int on_lattice_edge(int from, int to, int row) const;
 
   std::vector<Corner> ring_;
   int ring_of_ = -1;  // the vertex that it is around, until triangles change
@@ -165,6 +188,8 @@ private:
     double area, shape;
   };
   std::vector<StarTriangle> star_;
+  std::vector<std::array<int, 3>> lattices_;         // corners
+  std::map<std::array<int, 2>, int> first_on_edge_;  // of the vertices on an edge of a lattice, from its lower vertex on
   // of the vertex that is being collapsed: neighbors in order, ring_[i] spanning link_of_v_[i] and [i + 1], and what lies beyond
   std::vector<int> link_of_v_, link_triangles_;
 };
