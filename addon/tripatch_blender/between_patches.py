@@ -215,16 +215,14 @@ class FromEdges:
     """Mixed into operators that fill the hole between edges of objects."""
 
     tolerance: FloatProperty(
-        name="Tolerance",
-        description="Largest gap between the ends of edges that count as meeting",
+        **library.named("gap_tolerance"),
         unit="LENGTH",
         min=0.0,
         precision=5,
         default=0.001,
     )
     resolution: IntProperty(
-        name="Resolution",
-        description="Edges along the sides of surfaces (default: as Blender draws them)",
+        **library.named("edges_along_sides"),
         min=0,
         soft_min=1,
         soft_max=128,
@@ -232,9 +230,7 @@ class FromEdges:
         default=0,
     )
     computed_resolution: IntProperty(default=0, options={"HIDDEN"})  # -1: of no surface; still the same, nobody chose it
-    by_hand: BoolProperty(
-        options={"HIDDEN", "SKIP_SAVE"}, description="Called from a menu: a refusal can be corrected in the panel"
-    )
+    by_hand: BoolProperty(**library.named("by_hand"), options={"HIDDEN", "SKIP_SAVE"})
     reasons: StringProperty(options={"HIDDEN", "SKIP_SAVE"})
 
     def asked(self):
@@ -249,17 +245,11 @@ class FromEdges:
 
 
 class OBJECT_OT_fill_between_patches(FromEdges, Construction, waiting.Waiting, bpy.types.Operator):
-    """Fill the hole between the selected surface and mesh objects smoothly"""
-
     bl_idname = "object.fill_between_patches"
-    bl_label = "Fill Between Patches"
+    bl_label, bl_description = library.titled("fill_between_patches")
     bl_options = {"REGISTER", "UNDO"}
 
-    keep_live: BoolProperty(
-        name="Keep Live",
-        description="Make a fill that follows its objects until applied",
-        default=False,
-    )
+    keep_live: BoolProperty(**library.named("keep_live"), default=False)
 
     @classmethod
     def poll(cls, context):
@@ -279,11 +269,11 @@ class OBJECT_OT_fill_between_patches(FromEdges, Construction, waiting.Waiting, b
             row("resolution")
         row("keep_live")
         self.shape_rows(row)
-        with panel.folded(self, "sides", "Sides") as row:
+        with panel.folded(self, "sides") as row:
             self.sides_rows(row)
-        with panel.folded(self, "advanced", "Advanced") as row:
+        with panel.folded(self, "advanced") as row:
             self.construction_rows(row)
-        with panel.folded(self, "papers", "Paper Methods") as row:
+        with panel.folded(self, "papers") as row:
             self.papers_rows(row)
 
     def invoke(self, context, _event):

@@ -25,15 +25,11 @@ def _between(names, i):
 
 
 class OBJECT_OT_blend_three_patches(between_patches.FromEdges, bpy.types.Operator):
-    """Blend three selected surface or mesh objects over the hole between them; handles set their weights"""
-
     bl_idname = "object.blend_three_patches"
-    bl_label = "Blend Three Patches"
+    bl_label, bl_description = library.titled("blend_three_patches")
     bl_options = {"REGISTER", "UNDO"}
 
-    optimal_shape: BoolProperty(
-        name="Optimal Shape", description="Use the weights with which the blend bends least", default=False
-    )
+    optimal_shape: BoolProperty(**library.named("optimal_shape"), default=False)
 
     names: StringProperty(options={"HIDDEN", "SKIP_SAVE"})  # of the objects, by side
 
@@ -98,7 +94,7 @@ if OPTIONS:
         for name in _METHODS
     ]
     _declared = {
-        "method": EnumProperty(name="Method", description="Formula of the blend", items=_items),
+        "method": EnumProperty(**library.named("method_of_blend"), items=_items),
         "shape": properties.by_side(OPTIONS["shape"]),
     }
     properties.declare(OBJECT_OT_blend_three_patches, _declared)
@@ -133,7 +129,7 @@ def tracks(ob):
 
 def _let_go():
     """Of a timer: a handle rests, or was let go; what was done is a step of undo."""
-    bpy.ops.ed.undo_push(message="Weigh Patches")
+    bpy.ops.ed.undo_push(message=library.label("weigh_patches"))
 
 
 def handlers(k):
@@ -169,7 +165,7 @@ class VIEW3D_GGT_tripatch_blend(bpy.types.GizmoGroup):
     """The handles of the weights of the active blend."""
 
     bl_idname = "VIEW3D_GGT_tripatch_blend"
-    bl_label = "Weigh Patches"
+    bl_label = library.label("weigh_patches")
     bl_space_type = "VIEW_3D"
     bl_region_type = "WINDOW"
     bl_options = {"3D", "PERSISTENT", "SHOW_MODAL_ALL"}
@@ -203,12 +199,10 @@ class VIEW3D_GGT_tripatch_blend(bpy.types.GizmoGroup):
 
 
 class VIEW3D_PT_tripatch_blend(bpy.types.Panel):
-    """In the sidebar"""
-
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "TriPatch"
-    bl_label = "Blend"
+    bl_label, bl_description = library.titled("blend")
 
     @classmethod
     def poll(cls, context):
@@ -233,7 +227,7 @@ def register():
         bpy.utils.register_class(cls)
     if OPTIONS:
         bpy.types.Object.tripatch_lambda = properties.by_side(  # pyright: ignore[reportAttributeAccessIssue]
-            OPTIONS["shape"], name="Lambda", get=weights_of, set=set_weights, options=set()
+            OPTIONS["shape"], name=library.label("lambda"), get=weights_of, set=set_weights, options=set()
         )
 
 

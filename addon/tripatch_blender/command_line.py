@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import sys
@@ -31,10 +30,6 @@ from .properties import OPTIONS
 
 EXIT_ALL, EXIT_NONE, EXIT_USAGE, EXIT_SOME = 0, 1, 2, 3
 
-_EPILOG = """\
-Exit status: 0 all filled, or nothing to fill (OUT is a copy); 3 some were refused, fold more than their boundaries do or
-cross themselves, OUT is written; 1 nothing filled, OUT is not written; 2 bad usage."""
-
 #: The options of the library's table; the modifier and the mesh say the others.
 _OPTIONS = {name: option for name, option in OPTIONS.items() if name not in ("subdivision", "level", "replaced")}
 #: Why an object of several has nothing that is meant.
@@ -43,18 +38,19 @@ _METHOD = "auto"  # unless another is asked for, as in the operator and in the l
 
 
 def _parser(prog):
-    parser = argparse.ArgumentParser(prog=prog, description="Fills holes in the meshes of a .blend.", epilog=_EPILOG)
-    parser.add_argument("file", nargs="?", help=".blend to be opened first (default: the one that Blender has open)")
-    parser.add_argument("--out", required=True, help=".blend to be written")
-    parser.add_argument("--object", action="append", default=[], metavar="NAME", help="may be repeated (default: every mesh)")
-    parser.add_argument("--all", action="store_true", help="fill every hole; by a method of three sides those with three")
-    parser.add_argument("--add-modifier", action="store_true", help="cage: give the object a Subdivision modifier if it has none")
+    shown, text = by_table.flag_help, tripatch.messages.text
+    parser = by_table.Parser(prog=prog, description=text("about_blender"), epilog=text("exit_blender"))
+    parser.add_argument("file", nargs="?", **shown("blend_file_in"))
+    parser.add_argument("--out", required=True, **shown("blend_file_out"))
+    parser.add_argument("--object", action="append", default=[], **shown("object_flag"))
+    parser.add_argument("--all", action="store_true", help=text("all_in_blender_flag"))
+    parser.add_argument("--add-modifier", action="store_true", help=text("add_modifier"))
     for option in _OPTIONS.values():
         by_table.add(parser, option)
-    parser.add_argument("--corner-offset", type=int, default=0, help="slide the corners along the boundary by so many vertices")
-    parser.add_argument("--shading", choices=["neighbors", "smooth", "flat"], default="neighbors")
-    parser.add_argument("--deviation", action="store_true", help="write how well new vertices are known as attributes")
-    parser.add_argument("--report", metavar="FILE.json")
+    parser.add_argument("--corner-offset", type=int, default=0, help=text("slide_corners"))
+    parser.add_argument("--shading", choices=["neighbors", "smooth", "flat"], default="neighbors", help=text("shading"))
+    parser.add_argument("--deviation", action="store_true", help=text("deviation"))
+    parser.add_argument("--report", **shown("report_flag"))
     return parser
 
 

@@ -8,11 +8,8 @@ from bpy.props import BoolProperty, StringProperty
 from . import calls, library, panel, properties, sentences
 from .properties import OPTIONS
 
-#: Options that may be absent and whose numbers leave no room to say so: the property that says it, and what it says.
-_SWITCHES = {
-    "shape": ("optimal_shape", False, "Optimal Shape", "Use the weights with which the fill bends least"),
-    "alpha": ("permanence", True, "Permanence Patch", "Use the permanence patch instead of the Coons patch"),
-}
+#: Options that may be absent and whose numbers leave no room to say so: the property that says it, and its value if they count.
+_SWITCHES = {"shape": ("optimal_shape", False), "alpha": ("permanence", True)}
 _EXACT = "side_vertex"  # what auto takes between three smooth sides
 _ALPHA = -2 / 3  # in degree 3 the Coons patch
 
@@ -29,9 +26,7 @@ def _shape_options():
 
 def without_shape(arguments):
     """(arguments without what pulls at the fill, {name: label} of what did)"""
-    pulled = {
-        o.name: o.label or properties.words(o.name) for o in _shape_options() if arguments.get(o.name, o.default) != o.default
-    }
+    pulled = {o.name: properties.label(o) for o in _shape_options() if arguments.get(o.name, o.default) != o.default}
     return {name: value for name, value in arguments.items() if name not in pulled}, pulled
 
 
@@ -45,7 +40,7 @@ def _of_methods(option):
 
 
 #: The folded parts of panels, where Blender cannot fold them itself.
-_FOLDED = ("holes", "sides", "subdivision", "advanced", "papers", "candidates", "choice")
+_FOLDED = ("holes", "sides", "subdivision", "advanced", "papers", "choice")
 #: The library's codes for why a fill follows no such option, of which each has a message.
 _WHY = ("sides", "three_sides", "position", "fairing", "vertices", "cage")
 
@@ -61,18 +56,13 @@ def _declared():
             made[option.name] = properties.of(option, **({"default": option.default or "none"} if option.none else {}))
             if option.by_side:
                 for i in range(calls.MAX_SIDES):
-                    made[f"{option.name}_{i}"] = properties.of(option, name=f"Side {i + 1}")
+                    made[f"{option.name}_{i}"] = properties.of(option, name=sentences.said("side_number", number=i + 1))
     made["not_applied"] = StringProperty(options={"HIDDEN", "SKIP_SAVE"})  # of the last fills: "option:code option:code ..."
-    made["individual"] = BoolProperty(
-        name="By Side",
-        description="Set continuity and bulge for each side",
-        default=False,
-        options={"SKIP_SAVE"},
-    )
-    for name, _, label, description in _SWITCHES.values():
-        made[name] = BoolProperty(name=label, description=description, default=False)
+    made["individual"] = BoolProperty(**library.named("by_side"), default=False, options={"SKIP_SAVE"})
+    for name, _ in _SWITCHES.values():
+        made[name] = BoolProperty(**library.named(name), default=False)
     for name in _FOLDED:
-        made[f"show_{name}"] = BoolProperty(name=name.title(), description="Show more rows", default=False, options={"HIDDEN"})
+        made[f"show_{name}"] = BoolProperty(**library.named("show_section"), default=False, options={"HIDDEN"})
     return made
 
 
@@ -131,7 +121,7 @@ class Construction:
             faired = not option.applies or self.fairing != "none"
             row(option.name, active=faired and not self.why_not(option.name))
         shown = [OPTIONS["continuity"], OPTIONS["bulge"], *numbers]
-        self.why_rows(row, {option.name: option.label or properties.words(option.name) for option in shown})
+        self.why_rows(row, {option.name: properties.label(option) for option in shown})
 
     def sides_rows(self, row):
         """The same for each side."""
@@ -142,13 +132,14 @@ class Construction:
                 row(f"continuity_{i}", active=has_sides)
                 if self._has("bulge"):
                     tangent = getattr(self, f"continuity_{i}") not in ("Free", "G0")
-                    row(f"bulge_{i}", text="Bulge", active=has_sides and tangent)
+                    row(f"bulge_{i}", text=properties.label(OPTIONS["bulge"]), active=has_sides and tangent)
 
     def construction_rows(self, row):
         """The method and whether it is made fair."""
-        row.choices("method", properties.METHODS, heading="Method")
-        row.choices("fairing", properties.FAIRING, heading="Fairing", active=not self.why_not("fairing"))
-        self.why_rows(row, {"fairing": "Fairing"})
+        method, fairing = (properties.label(OPTIONS[name]) for name in ("method", "fairing"))
+        row.choices("method", properties.METHODS, heading=method)
+        row.choices("fairing", properties.FAIRING, heading=fairing, active=not self.why_not("fairing"))
+        self.why_rows(row, {"fairing": fairing})
 
     def papers_rows(self, row):
         """Constructions and energies of papers, and the options that only the method has that is chosen."""
@@ -158,7 +149,7 @@ class Construction:
             if not OPTIONS[name].panel or name == "bulge":
                 continue
             if name in _SWITCHES:
-                switch, on, _, _ = _SWITCHES[name]
+                switch, on = _SWITCHES[name]
                 row(switch)
                 row(name, active=getattr(self, switch) == on)
                 if name == "shape" and self.fairing != "none":
@@ -169,9 +160,9 @@ class Construction:
             else:
                 row(name)
         energies = [each for each in OPTIONS["fairing"].choices if each.name not in properties.FAIRING]
-        labels = {each.name: each.label or properties.words(each.name) for each in energies}
+        labels = {each.name: properties.label(each) for each in energies}
         row.choices("fairing", labels, active=not self.why_not("fairing"))
-        self.why_rows(row, {"cross_boundary": "Slopes"})
+        self.why_rows(row, {"cross_boundary": properties.label(OPTIONS["cross_boundary"])})
 
     def _each(self, name):
         """A value a side, for a hole of however many sides."""
@@ -185,7 +176,7 @@ class Construction:
         """What the property of an option says to the library."""
         value = plain(getattr(self, option.name))
         if option.name in _SWITCHES:
-            switch, on, _, _ = _SWITCHES[option.name]
+            switch, on = _SWITCHES[option.name]
             return value if getattr(self, switch) == on else option.none.name if option.none else None
         if option.by_side and self.individual:
             return self._each(option.name)

@@ -26,6 +26,27 @@ else:
         missing = LIBRARY_MISSING.replace("{error}", str(error))
 
 
+def titled(code):
+    """A label and its tooltip, of the table of labels. Without the library nothing works, and the code in words will do."""
+    if missing:
+        return code.replace("_", " ").title(), ""
+    return tripatch.messages.label(code), tripatch.messages.text(code)
+
+
+def label(code):
+    return titled(code)[0]
+
+
+def named(code):
+    """The same for a property."""
+    return dict(zip(("name", "description"), titled(code), strict=True))
+
+
+def items(code, *names):
+    """The values of an enumeration; the codes of their labels begin with its own."""
+    return [(name, *titled(f"{code}_{name.lower()}")) for name in names]
+
+
 #: Methods that fill holes with any number of corners.
 ANY_RIM = ("auto", "polyharmonic_spline", "quad_rows", "multi_sided")
 

@@ -8,11 +8,7 @@ from bpy.props import StringProperty
 
 from . import following, library, live, panel, sentences
 
-_PICK = {
-    "name": "Fill",
-    "description": "Name of the live fill; the active object, or all, if empty",
-    "options": {"SKIP_SAVE", "HIDDEN"},
-}
+_PICK = {**library.named("live_fill_name"), "options": {"SKIP_SAVE", "HIDDEN"}}
 
 
 def _meant(context, name):
@@ -38,10 +34,8 @@ class _OfLiveFills:
 
 
 class OBJECT_OT_apply_live_fill(_OfLiveFills, bpy.types.Operator):
-    """Turn a live fill into faces of its mesh"""
-
     bl_idname = "object.apply_live_fill"
-    bl_label = "Apply Live Fill"
+    bl_label, bl_description = library.titled("apply_live_fill")
     bl_options = {"REGISTER", "UNDO"}
 
     fill: StringProperty(**_PICK)
@@ -66,10 +60,8 @@ class OBJECT_OT_apply_live_fill(_OfLiveFills, bpy.types.Operator):
 
 
 class OBJECT_OT_update_live_fill(_OfLiveFills, bpy.types.Operator):
-    """Update a live fill now"""
-
     bl_idname = "object.update_live_fill"
-    bl_label = "Update Live Fill"
+    bl_label, bl_description = library.titled("update_live_fill")
     bl_options = {"REGISTER", "UNDO"}
 
     fill: StringProperty(**_PICK)
@@ -85,12 +77,10 @@ class OBJECT_OT_update_live_fill(_OfLiveFills, bpy.types.Operator):
 
 
 class VIEW3D_PT_tripatch_live(bpy.types.Panel):
-    """In the sidebar"""
-
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "TriPatch"
-    bl_label = "Live Fills"
+    bl_label, bl_description = library.titled("live_fills")
 
     @classmethod
     def poll(cls, context):
@@ -103,7 +93,7 @@ class VIEW3D_PT_tripatch_live(bpy.types.Panel):
             row = self.layout.row(align=True)
             row.label(text=fill.name, icon="ERROR" if live.problem_of(fill) else "MOD_MESHDEFORM")
             row.operator(OBJECT_OT_update_live_fill.bl_idname, text="", icon="FILE_REFRESH").fill = fill.name
-            row.operator(OBJECT_OT_apply_live_fill.bl_idname, text="Apply").fill = fill.name
+            row.operator(OBJECT_OT_apply_live_fill.bl_idname, text=library.label("apply")).fill = fill.name
             if live.problem_of(fill):
                 panel.sentence(self.layout, context, live.problem_of(fill))
 

@@ -69,21 +69,19 @@ def _declared():
     density = OPTIONS["resolution"]
     made["resolution"] = properties.of(
         density,
-        name="Density",
-        description="Edges of the new faces along a side of the hole (default: as the boundary)",
+        **library.named("density"),
         default=0,
         soft_min=1,
     )
-    kinds = [(each.name, each.label or properties.words(each.name), each.description) for each in OPTIONS["output"].choices]
+    kinds = [(each.name, properties.label(each), each.description) for each in OPTIONS["output"].choices]
     made["output"] = properties.of(
         OPTIONS["output"],
-        items=[("auto", "Automatic", "Match the surrounding faces; a cage under a Subdivision modifier"), *kinds],
+        items=[("auto", *library.titled("output_auto")), *kinds],
         default="auto",
     )
     made["rows"] = properties.of(
         density,
-        name="Extra Rows",
-        description="More rows of quads between the boundary and the middle (default: as few as the tolerance allows)",
+        **library.named("extra_rows"),
         min=-1,
         soft_min=0,
         soft_max=8,
@@ -94,9 +92,8 @@ def _declared():
         if option.kind == "flag":
             made[option.name] = properties.of(option)
             continue
-        made["use_" + option.name] = BoolProperty(
-            name=option.label or properties.words(option.name), description=properties.seen(option), default=False
-        )
+        said = {"name": properties.label(option), "description": properties.seen(option)}
+        made["use_" + option.name] = BoolProperty(**said, default=False)
         made[option.name] = properties.of(option, default=_FILTERS[option.name])
     return made
 
@@ -128,53 +125,17 @@ _NEVER = {"odd": "", "resolution": 0, "rows": -1, "tolerance": 0}
 class FillSmooth(Construction, waiting.Waiting):
     """What the operator does under either of its names."""
 
-    add_modifier: BoolProperty(
-        name="Add Modifier",
-        description="Add a Subdivision modifier if the object has none",
-        default=True,
-    )
-    corner_offset: IntProperty(
-        name="Slide Corners",
-        description="Slide all corners along the boundary by this many vertices",
-        default=0,
-        options={"SKIP_SAVE"},
-    )
-    span: IntProperty(
-        name="Span",
-        description="Edges between the first two corners of a grid of quads, as in Grid Fill (0: as the corners are)",
-        min=0,
-        default=0,
-        options={"SKIP_SAVE"},
-    )
+    add_modifier: BoolProperty(**library.named("add_modifier"), default=True)
+    corner_offset: IntProperty(**library.named("slide_corners"), default=0, options={"SKIP_SAVE"})
+    span: IntProperty(**library.named("span"), min=0, default=0, options={"SKIP_SAVE"})
     shading: EnumProperty(
-        name="Shading",
-        description="Shade the new faces smooth or flat",
-        items=[
-            ("neighbors", "Neighbors", "Same as the nearest faces"),
-            ("smooth", "Smooth", "Smooth"),
-            ("flat", "Flat", "Flat"),
-        ],
+        **library.named("shading"),
+        items=[(name, *library.titled(f"shading_{name}")) for name in ("neighbors", "smooth", "flat")],
         default="neighbors",
     )
-    keep_live: BoolProperty(
-        name="Keep Live",
-        description="Make a fill that follows changes of the mesh until applied",
-        default=False,
-    )
-    width: FloatProperty(
-        name="Width",
-        description="Width of the blend on both sides of a seam (default: the faces)",
-        unit="LENGTH",
-        min=0.0,
-        default=0.0,
-        options={"SKIP_SAVE"},
-    )
-    deviation: BoolProperty(
-        name="Deviation",
-        description="Store an error estimate at each new vertex (attribute "
-        '"deviation"), and mark the new faces ("reconstructed")',
-        default=False,
-    )
+    keep_live: BoolProperty(**library.named("keep_live"), default=False)
+    width: FloatProperty(**library.named("width"), unit="LENGTH", min=0.0, default=0.0, options={"SKIP_SAVE"})
+    deviation: BoolProperty(**library.named("deviation"), default=False)
     computed_output: StringProperty(options=_HIDDEN)  # what "auto" means for this selection
     # What was computed the last time: a value that is still the same was not chosen by anyone, and is computed again.
     computed_odd: StringProperty(options={"HIDDEN"})
@@ -182,7 +143,7 @@ class FillSmooth(Construction, waiting.Waiting):
     computed_rows: IntProperty(default=-1, options={"HIDDEN"})
     computed_tolerance: FloatProperty(options={"HIDDEN"})
     # Of the last run.
-    by_hand: BoolProperty(options=_HIDDEN, description="Called from a menu or by a key: a refusal can be corrected in the panel")
+    by_hand: BoolProperty(**library.named("by_hand"), options=_HIDDEN)
     reasons: StringProperty(options=_HIDDEN)
     candidates: StringProperty(options=_HIDDEN)  # lines, of the only hole that was filled
     all_holes: BoolProperty(options=_HIDDEN)
@@ -220,16 +181,16 @@ class FillSmooth(Construction, waiting.Waiting):
             row(self.density())
         self.shape_rows(row)
         if self.all_holes:
-            with panel.folded(self, "holes", "Holes") as row:
+            with panel.folded(self, "holes") as row:
                 self._holes_rows(row)
-        with panel.folded(self, "sides", "Sides") as row:
+        with panel.folded(self, "sides") as row:
             self.sides_rows(row)
             row("span", active=self.faces() == "quads")
             row("corner_offset", active=not self.why_not("corners"))
-            self.why_rows(row, {"corners": "Slide Corners"})
-        with panel.folded(self, "subdivision", "Subdivision") as row:
+            self.why_rows(row, {"corners": library.label("slide_corners")})
+        with panel.folded(self, "subdivision") as row:
             self._subdivision_rows(row, context)
-        with panel.folded(self, "advanced", "Advanced") as row:
+        with panel.folded(self, "advanced") as row:
             self.construction_rows(row)
             row("cap", active=self.faces() != "cage")
             row("features", active=self.faces() != "cage")
@@ -237,10 +198,10 @@ class FillSmooth(Construction, waiting.Waiting):
             row("shading")
             row("keep_live", active=self.surroundings != "limit")
             row("deviation", active=self.faces() != "cage")
-        with panel.folded(self, "papers", "Paper Methods") as row:
+        with panel.folded(self, "papers") as row:
             self.papers_rows(row)
         if self.candidates:
-            with panel.folded(self, "choice", "Candidates") as row:
+            with panel.folded(self, "choice") as row:
                 row.reasons(self.candidates.split("\n"))
 
     def _holes_rows(self, row):
@@ -258,7 +219,7 @@ class FillSmooth(Construction, waiting.Waiting):
             if name != "tolerance" or self.tolerance:  # computed by a fill that it applies to; until then it says nothing
                 row(name, active=name in applying and not self.why_not(name))
         row("add_modifier", active=self.faces() == "cage" and not all(modified))
-        self.why_rows(row, {"pole_offset": "Pole"})
+        self.why_rows(row, {"pole_offset": properties.label(OPTIONS["pole_offset"])})
 
     def _is_computed(self, name, none):
         """Whether nobody has chosen a property: then it is computed."""
@@ -592,26 +553,20 @@ if OPTIONS:
 
 
 class MESH_OT_fill_smooth(FillSmooth, bpy.types.Operator):
-    """Fill the selected holes with a smooth surface, or all holes if nothing is selected"""
-
     bl_idname = "mesh.fill_smooth"
-    bl_label = "Fill Holes Smoothly"
+    bl_label, bl_description = library.titled("fill_holes_smoothly")
     bl_options = {"REGISTER", "UNDO"}
 
 
 class MESH_OT_fill_three_sided(FillSmooth, bpy.types.Operator):
-    """Fill Holes Smoothly, under its old name for scripts"""
-
     bl_idname = "mesh.fill_three_sided"
-    bl_label = "Fill Holes Smoothly"
+    bl_label, bl_description = library.titled("fill_three_sided")
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}  # for scripts: not in the search
 
 
 class MESH_OT_edit_fill(FillSmooth, bpy.types.Operator):
-    """Change the options of the selected fills"""
-
     bl_idname = "mesh.edit_fill"
-    bl_label = "Edit Fill"
+    bl_label, bl_description = library.titled("edit_fill")
     bl_options = {"REGISTER", "UNDO"}
 
     def perform(self, context):

@@ -307,73 +307,26 @@ class TripatchOverlay(bpy.types.PropertyGroup):
     """What the overlay shows."""
 
     show: BoolProperty(
-        name="Surface Quality",
-        description="Show the quality of the surfaces of the selected objects",
+        **library.named("surface_quality"),
         get=lambda _: _state.on(),
         set=lambda _, on: start() if on else stop(),
     )
     surface: EnumProperty(
-        name="Surface",
-        description="Quality to show on the surface",
-        items=[
-            ("NONE", "Nothing", "Show no colors on the surface"),
-            (
-                "ZEBRA",
-                "Zebra",
-                "Reflected stripes. A broken stripe means an edge, a sharp bend means a jump of curvature",
-            ),
-            ("HIGHLIGHT", "Highlight Lines", "Lines of equal slope against the direction, whatever the view"),
-            ("CURVATURE", "Curvature", "Mean curvature: blue is hollow, gray flat, red bulging"),
-            ("DEVIATION", "Deviation", "Error estimate of the fill: blue is accurate, red is not"),
-        ],
+        **library.named("shown_surface"),
+        items=library.items("shown", "NONE", "ZEBRA", "HIGHLIGHT", "CURVATURE", "DEVIATION"),
         default="ZEBRA",
         update=_renew,
     )
-    seam: BoolProperty(
-        name="Seam",
-        description="Show the angle at the last fill's seam, or at the selected edges",
-        default=True,
-        update=_renew,
-    )
-    folds: BoolProperty(name="Folds", description="Show folds in red", default=True, update=_renew)
-    direction: FloatVectorProperty(
-        name="Direction", description="Direction across the stripes", subtype="DIRECTION", default=(0, 0, 1), update=_move
-    )
-    density: FloatProperty(
-        name="Density",
-        description="Number of stripes over half a turn of the surface",
-        default=12,
-        min=1,
-        soft_max=60,
-        max=500,
-        update=_move,
-    )
-    opacity: FloatProperty(
-        name="Opacity", description="Opacity of the overlay", subtype="FACTOR", default=1, min=0, max=1, update=_move
-    )
-    seam_most: FloatProperty(
-        name="Red From",
-        description="Angle from which a seam is red",
-        default=1,
-        min=0.001,
-        soft_max=30,
-        max=180,
-        update=_renew,
-    )
-    fixed_range: BoolProperty(
-        name="Fixed Range", description="End the colors at a fixed value, not at one of the mesh", update=_renew
-    )
-    curvature: FloatProperty(
-        name="Curvature", description="Curvature at which the colors end, in 1 / length", default=1, min=1e-6, update=_renew
-    )
+    seam: BoolProperty(**library.named("shown_seam"), default=True, update=_renew)
+    folds: BoolProperty(**library.named("shown_folds"), default=True, update=_renew)
+    direction: FloatVectorProperty(**library.named("stripe_direction"), subtype="DIRECTION", default=(0, 0, 1), update=_move)
+    density: FloatProperty(**library.named("stripe_density"), default=12, min=1, soft_max=60, max=500, update=_move)
+    opacity: FloatProperty(**library.named("opacity"), subtype="FACTOR", default=1, min=0, max=1, update=_move)
+    seam_most: FloatProperty(**library.named("red_from"), default=1, min=0.001, soft_max=30, max=180, update=_renew)
+    fixed_range: BoolProperty(**library.named("fixed_range"), update=_renew)
+    curvature: FloatProperty(**library.named("curvature_range"), default=1, min=1e-6, update=_renew)
     deviation: FloatProperty(
-        name="Deviation",
-        description="Deviation at which the colors end",
-        subtype="DISTANCE",
-        default=0.01,
-        min=1e-9,
-        precision=4,
-        update=_renew,
+        **library.named("deviation_range"), subtype="DISTANCE", default=0.01, min=1e-9, precision=4, update=_renew
     )
 
 
@@ -402,20 +355,23 @@ def draw_settings(layout, context):
 
 
 class VIEW3D_PT_tripatch_quality(bpy.types.Panel):
-    """In the sidebar"""
-
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "TriPatch"
-    bl_label = "Surface Quality"
+    bl_label, bl_description = library.titled("surface_quality")
+
+    @classmethod
+    def poll(cls, _context):
+        return not library.missing
 
     def draw(self, context):
         draw_settings(self.layout, context)
 
 
 def _draw_popover(self, context):
-    self.layout.separator()
-    draw_settings(self.layout, context)
+    if not library.missing:
+        self.layout.separator()
+        draw_settings(self.layout, context)
 
 
 _classes = (TripatchOverlay, VIEW3D_PT_tripatch_quality)

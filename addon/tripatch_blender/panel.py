@@ -8,6 +8,8 @@ from contextlib import contextmanager
 
 import bpy
 
+from . import library
+
 # A character is about so many pixels wide in Blender's font at the scale 1; a line is never shorter than so many characters.
 _CHARACTER, _SHORTEST = 6.3, 28
 #: Pixels of one of Blender's units at the scale 1.
@@ -70,9 +72,9 @@ class Rows:
 
 
 @contextmanager
-def folded(operator, name, label):
+def folded(operator, name):
     """Rows for a part of the panel that is closed at first: from Blender 4.1 on a panel of its own, else behind an arrow."""
-    layout, body = operator.layout, None
+    layout, body, label = operator.layout, None, library.label(f"{name}_section")
     try:
         header, body = layout.panel(f"TRIPATCH_{name}", default_closed=True)
         header.label(text=label)

@@ -18,13 +18,15 @@ def words(name):
     return name.replace("_", " ").title()
 
 
+def label(named):
+    """What a panel calls an option, or the value of a choice."""
+    return named.label or words(named.name)
+
+
 #: Methods that are no paper's construction, by their names in a panel.
 METHODS = {
-    "auto": "Automatic",
-    "multi_sided": "Patch",
-    "polyharmonic_spline": "Spline",
-    "quad_rows": "Quad Rows",
-    "annulus": "Ring",
+    name: called
+    for name, called, _ in library.items("method", "auto", "multi_sided", "polyharmonic_spline", "quad_rows", "annulus")
 }
 
 
@@ -34,7 +36,7 @@ def method_label(name):
 
 
 #: Fairing as a panel has it: an energy of a paper, or simply on or off.
-FAIRING = {"auto": "On", "none": "Off"}
+FAIRING = {name: called for name, called, _ in library.items("fairing", "auto", "none")}
 
 
 def seen(option):
@@ -46,17 +48,17 @@ def method_items(usable):
     """Auto and the methods for which `usable` holds."""
     methods = [m for m in library.tripatch.METHODS.values() if usable(m)]
     items = [(m.name, method_label(m.name), m.description) for m in methods]
-    return [("auto", METHODS["auto"], "The method that fits the hole best"), *items]
+    return [("auto", *library.titled("method_auto")), *items]
 
 
 def _items(option):
     if option.name == "method":
         return method_items(lambda method: method.fills_holes)
-    items = [(c.name, c.label or words(c.name), c.description) for c in option.choices if not c.misprint]
+    items = [(c.name, label(c), c.description) for c in option.choices if not c.misprint]
     if option.none is not None:
         items.append((option.none.name, words(option.none.name), option.none.description))
     if option.name == "fairing":
-        items = [(name, FAIRING.get(name, label), about) for name, label, about in items]
+        items = [(name, FAIRING.get(name, called), about) for name, called, about in items]
     return items
 
 
@@ -70,7 +72,7 @@ def limits(option, whole=False):
 
 def of(option, **given):
     """The property of an option; given: what it has otherwise than the table."""
-    common = {"name": option.label or words(option.name), "description": seen(option), "default": option.default}
+    common = {"name": label(option), "description": seen(option), "default": option.default}
     if option.selection:
         common["options"] = {"SKIP_SAVE"}
     if option.kind == "flag":
@@ -89,7 +91,7 @@ def of(option, **given):
 
 def by_side(option, **given):
     """Three numbers, one a side."""
-    common = {"name": option.label or words(option.name), "description": seen(option) + ", by side"}
+    common = {"name": label(option), "description": seen(option)}
     return FloatVectorProperty(**({"size": 3, "default": (option.default,) * 3} | common | limits(option) | given))
 
 

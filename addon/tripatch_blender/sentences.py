@@ -28,7 +28,7 @@ _MENDABLE = {
 def _labels():
     """Options and methods as the panel has them."""
     methods = {name: properties.METHODS.get(name) or properties.words(name) for name in library.tripatch.METHODS}
-    return methods | {name: option.label or properties.words(name) for name, option in properties.OPTIONS.items()}
+    return methods | {name: properties.label(option) for name, option in properties.OPTIONS.items()}
 
 
 def _worded(said, vertices):

@@ -254,29 +254,17 @@ def smooth_copy(ob, bm, faces, resolution, curve):
 
 
 class MESH_OT_smooth_triangles(bpy.types.Operator):
-    """Turn the selected faces into a smooth surface through their vertices, with the mesh's normals there"""
-
     bl_idname = "mesh.smooth_triangles"
-    bl_label = "Smooth Triangles"
+    bl_label, bl_description = library.titled("smooth_triangles")
     bl_options = {"REGISTER", "UNDO"}
 
-    resolution: IntProperty(
-        name="Density", description="Number of edges that each edge is divided into", min=2, max=256, soft_max=32, default=3
-    )
+    resolution: IntProperty(**library.named("edge_parts"), min=2, max=256, soft_max=32, default=3)
     curve: EnumProperty(
-        name="Curve",
-        description="Type of the curves over the edges",
-        items=[
-            ("hermite", "Hermite", "Cubic curves with end tangents as long as the arc"),
-            ("smits", "Smits", "Heights over the edge along the blended normals (Smits 2000)"),
-        ],
+        **library.named("curve"),
+        items=library.items("curve", "hermite", "smits"),
         default="hermite",
     )
-    keep_live: BoolProperty(
-        name="Keep Live",
-        description="The smooth surface is an object of its own that follows when the mesh changes, until it is applied",
-        default=False,
-    )
+    keep_live: BoolProperty(**library.named("keep_live"), default=False)
 
     @classmethod
     def poll(cls, context):

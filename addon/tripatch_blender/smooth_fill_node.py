@@ -7,10 +7,8 @@ from . import following, library, node_fills, panel
 
 
 class _SmoothFill:
-    """Fill the holes of a mesh so that the surface continues smoothly"""
-
     bl_idname = node_fills.ID
-    bl_label = "Smooth Fill"
+    bl_label, bl_description = library.titled("smooth_fill")
 
     def init(self, _context):
         self.node_tree = node_fills.new_tree()  # pyright: ignore[reportAttributeAccessIssue]
@@ -35,7 +33,7 @@ _registered: list[type] = []
 
 def register():
     # again each time: Blender 5.2 makes another type of a node's base when a class of it is unregistered
-    node = type(node_fills.ID, (_SmoothFill, bpy.types.GeometryNodeCustomGroup), {"__doc__": _SmoothFill.__doc__})
+    node = type(node_fills.ID, (_SmoothFill, bpy.types.GeometryNodeCustomGroup), {})
     bpy.utils.register_class(node)
     _registered.append(node)
     bpy.types.NODE_MT_add.append(_draw)

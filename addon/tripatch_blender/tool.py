@@ -182,23 +182,21 @@ def _on_load(*_):
     stop()
 
 
-_OUTPUTS = [("triangles", "Triangles", "Triangles as fine as the boundary"), ("quads", "Quads", "Quads around one or more poles")]
+_OUTPUTS = [(name, *library.titled(f"output_{name}")) for name in ("triangles", "quads")]
 
 
 class TripatchTool(bpy.types.PropertyGroup):
     """Settings of the tool."""
 
     output: EnumProperty(
-        name="Output",
-        description="Type of the new faces (default: match the surrounding faces)",
+        **library.named("output"),
         items=_OUTPUTS,
         get=lambda settings: [name for name, *_ in _OUTPUTS].index(_output(settings)),
         set=lambda settings, place: _choose_output(settings, _OUTPUTS[place][0]),
     )
     chosen: StringProperty(options={"HIDDEN"})  # of these, by a person; none: what continues with the faces around
     round: BoolProperty(
-        name="Round",
-        description="Remove all corners: the fill leaves the boundary evenly",
+        **library.named("round"),
         get=lambda _: bool(_state.shaping and _state.shaping.shape.round),
         set=lambda _, on: _set_round(on),
     )
@@ -260,18 +258,12 @@ class _OfTool:
 
 
 class MESH_OT_shape_fill(_OfTool, bpy.types.Operator):
-    """Shape the hole under the mouse, or the selected one"""
-
     bl_idname = "mesh.shape_fill"
-    bl_label = "Shape Fill"
+    bl_label, bl_description = library.titled("shape_fill")
     bl_options = {"INTERNAL"}
 
-    pick: BoolProperty(
-        name="Under Mouse", description="Shape the hole under the mouse, not the selected one", options={"SKIP_SAVE"}
-    )
-    corner: BoolProperty(
-        name="Corner", description="Make the vertex under the mouse a corner, or remove it", options={"SKIP_SAVE"}
-    )
+    pick: BoolProperty(**library.named("under_mouse"), options={"SKIP_SAVE"})
+    corner: BoolProperty(**library.named("corner"), options={"SKIP_SAVE"})
 
     def invoke(self, context, event):
         mouse = (event.mouse_region_x, event.mouse_region_y)
@@ -322,10 +314,8 @@ class _OfShaping(_OfTool):
 
 
 class MESH_OT_shape_fill_confirm(_OfShaping, waiting.Waiting, bpy.types.Operator):
-    """Insert the shaped fill"""
-
     bl_idname = "mesh.shape_fill_confirm"
-    bl_label = "Fill as Shaped"
+    bl_label, bl_description = library.titled("fill_as_shaped")
     bl_options = {"UNDO"}
 
     def invoke(self, context, _event):
@@ -358,10 +348,8 @@ class MESH_OT_shape_fill_confirm(_OfShaping, waiting.Waiting, bpy.types.Operator
 
 
 class MESH_OT_shape_fill_cancel(_OfShaping, bpy.types.Operator):
-    """Leave the hole open"""
-
     bl_idname = "mesh.shape_fill_cancel"
-    bl_label = "Leave the Hole"
+    bl_label, bl_description = library.titled("leave_the_hole")
     bl_options = {"INTERNAL"}
 
     def execute(self, context):
@@ -470,7 +458,7 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
     """The handles of the hole that is being shaped."""
 
     bl_idname = "VIEW3D_GGT_tripatch"
-    bl_label = "Shape Fill"
+    bl_label = library.label("shape_fill")
     bl_space_type = "VIEW_3D"
     bl_region_type = "WINDOW"
     bl_options = {"3D", "SHOW_MODAL_ALL"}
@@ -564,11 +552,9 @@ def middle_handlers():
 
 
 class VIEW3D_PT_tripatch_problem(bpy.types.Panel):
-    """The whole message"""
-
     bl_space_type = "VIEW_3D"
     bl_region_type = "HEADER"
-    bl_label = "Why Not"
+    bl_label, bl_description = library.titled("why_not")
     bl_ui_units_x = _WIDE
 
     def draw(self, context):
@@ -590,7 +576,7 @@ class TRIPATCH_TOOL_shape(bpy.types.WorkSpaceTool):
     bl_space_type = "VIEW_3D"
     bl_context_mode = "EDIT_MESH"
     bl_idname = "tripatch.shape_fill"
-    bl_label = "Shape Fill"
+    bl_label = library.label("shape_fill")
     bl_description = sentences.said("tool_keys") if library.tripatch else ""
     bl_icon = str(Path(__file__).parent / "icons" / "shape_fill")  # drawn by scripts/tool_icon.py
     bl_widget = "VIEW3D_GGT_tripatch"
@@ -606,11 +592,11 @@ class TRIPATCH_TOOL_shape(bpy.types.WorkSpaceTool):
         settings, made = context.window_manager.tripatch_tool, current()  # pyright: ignore[reportAttributeAccessIssue]
         layout.prop(settings, "output")
         if made is None:
-            layout.operator("mesh.shape_fill", text="Shape Selected Hole")
+            layout.operator("mesh.shape_fill", text=library.label("shape_selected_hole"))
             return
         layout.prop(settings, "round")
-        layout.operator("mesh.shape_fill_confirm", text="Fill")
-        layout.operator("mesh.shape_fill_cancel", text="Leave")
+        layout.operator("mesh.shape_fill_confirm", text=library.label("fill"))
+        layout.operator("mesh.shape_fill_cancel", text=library.label("leave"))
         _draw_problem(context, layout)
 
 

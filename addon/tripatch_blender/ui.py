@@ -57,8 +57,8 @@ class TripatchPreferences(bpy.types.AddonPreferences):
         if library.missing:
             layout.label(text=library.missing, icon="ERROR")
         row = layout.row()
-        row.operator("wm.url_open", text="Documentation", icon="HELP").url = links.GUIDE
-        row.operator("wm.url_open", text="Report a Bug", icon="URL").url = links.BUGS
+        row.operator("wm.url_open", text=library.label("documentation"), icon="HELP").url = links.GUIDE
+        row.operator("wm.url_open", text=library.label("report_a_bug"), icon="URL").url = links.BUGS
         if not library.missing:
             layout.label(text=sentences.said("menu_and_key", operator=MESH_OT_fill_smooth.bl_label))
         user = context.window_manager.keyconfigs.user

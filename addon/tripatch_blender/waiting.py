@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import bmesh
 import bpy
 
-from .library import np, tripatch
+from .library import np, titled, tripatch
 
 #: Seconds that Blender may stand still.
 PATIENCE = 0.5
@@ -350,10 +350,8 @@ class Waiting:
 
 
 class WM_OT_wait_for_fill(Waiting, bpy.types.Operator):
-    """Wait for a fill whose values were changed"""
-
     bl_idname = "wm.wait_for_fill"
-    bl_label = "Wait for Fill"
+    bl_label, bl_description = titled("wait_for_fill")
     bl_options = {"INTERNAL"}
 
     @classmethod

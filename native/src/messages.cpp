@@ -12,6 +12,8 @@ constexpr AboutMessage all[] = {
 #include "tripatch/messages.def"
 #define MESSAGE_OF_PYTHON(code, kind, sentence, panel, meaning) {#code, #kind, sentence, panel, meaning},
 #include "tripatch/interface_messages.def"
+#define LABEL(code, label, text) {#code, "label", text, label, ""},
+#include "tripatch/labels.def"
 };
 
 // one row for each code, in the same order; the rows of interfaces follow

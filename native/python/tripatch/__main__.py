@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import tripatch
-from tripatch import arguments, borders, files, filling, view, words
+from tripatch import arguments, borders, files, filling, messages, view, words
 from tripatch.batch import command as batch
 from tripatch.batch import creases
 from tripatch.batch.record import plain
@@ -22,89 +22,40 @@ FILLED, NOTHING, USAGE, SOME = 0, 1, 2, 3
 INTERRUPTED = 130  # what shells say of SIGINT
 MAX_TOLD = 20  # refusals: more run off the screen; of a mesh whose faces are not joined there is one for each face
 
-_MAIN = """\
-Fills holes in meshes so that the new surface blends smoothly into the old one.
-
-examples:
-  tripatch fill scan.ply -o filled.ply --all     fill every hole
-  tripatch view filled.ply zebra.png             draw the result in zebra stripes
-  tripatch batch scans/ -o filled/               fill the holes of every file in a folder
-  tripatch COMMAND --help                        list the options of a command"""
-_DESCRIPTION = """\
-Fills a hole of the mesh in IN, or with --all every hole, and writes the mesh to OUT. OBJ, OFF, PLY, STL,
-glTF, 3MF and USD files keep all that is in them. USD needs tripatch[usd], other formats tripatch[files].
-
-examples:
-  tripatch fill scan.ply -o filled.ply           fill the only hole
-  tripatch fill scan.ply -o filled.ply --all     fill every hole
-  tripatch fill car.obj -o out.obj --all --faces quads --max-edges 60
-  tripatch fill part.stl -o out.stl --rim 3,17,42,18 --json
-
-Vertices are counted from 0, in the order of the file (STL: of their first use)."""
-_EXIT = """\
-exit status: 0 all filled, or nothing to fill (OUT is a copy); 3 some holes were refused, or fills fold or cross (OUT is
-written); 1 nothing was filled (OUT is not written); 2 bad usage, unreadable input, or output that cannot be written; 130
-interrupted"""
-
 #: The options of `tripatch.fill`; but the faces of a file stay.
 OPTIONS = {name: option for name, option in tripatch.OPTIONS.items() if name != "replaced"}
 
 
 def parser() -> argparse.ArgumentParser:
     """The parser of the command line."""
-    main = arguments.Parser(prog="tripatch", description=_MAIN)
-    main.add_argument("--version", action="version", version=f"tripatch {tripatch.__version__}")
-    commands = main.add_subparsers(dest="command", required=True, metavar="COMMAND", title="Commands")
-    fill = commands.add_parser(
-        "fill",
-        usage="tripatch fill IN [-o] OUT [options]",
-        help="fill holes of a mesh file",
-        description=_DESCRIPTION,
-        epilog=_EXIT,
-    )
-    fill.add_argument("input", metavar="IN", type=Path, help="mesh file")
-    arguments.add_out(fill, "OUT", "mesh file to write; may be IN")
-    fill.add_argument("--all", action="store_true", help="fill every hole")
-    fill.add_argument("--report", type=Path, metavar="FILE.json", help="write a JSON report to FILE.json")
-    fill.add_argument("--deviation", action="store_true", help="write the error estimate of new vertices into OUT.ply")
-    fill.add_argument(
-        "--join", type=float, metavar="DISTANCE", help="join borders that are at most so far apart, and T-junctions"
-    )
+    main = arguments.Parser(prog="tripatch", description=messages.text("about_tripatch"))
+    shown = arguments.flag_help
+    main.add_argument("--version", action="version", version=f"tripatch {tripatch.__version__}", **shown("version_flag"))
+    title, word = messages.label("commands_group"), messages.label("command")
+    commands = main.add_subparsers(dest="command", required=True, metavar=word, title=title)
+    fill = arguments.command(commands, "fill")
+    fill.add_argument("input", type=Path, **shown("mesh_file_in"))
+    arguments.add_out(fill, "mesh_file_out")
+    fill.add_argument("--all", action="store_true", **shown("all_flag"))
+    fill.add_argument("--report", type=Path, **shown("report_flag"))
+    fill.add_argument("--deviation", action="store_true", **shown("deviation_flag"))
+    fill.add_argument("--join", type=float, **shown("join_flag"))
     arguments.add_groups(fill, OPTIONS.values())
     arguments.add_talk(fill, json=True)
     batch.add(commands)
-    smooth = commands.add_parser(
-        "smooth",
-        usage="tripatch smooth IN [-o] OUT [options]",
-        help="smooth a mesh of triangles",
-        description="Makes a curved patch of every triangle, which meets its neighbors smoothly. OUT holds vertices and faces "
-        "only.\n\n"
-        "example:\n  tripatch smooth rough.obj -o smooth.obj",
-    )
-    smooth.add_argument("input", metavar="IN", type=Path, help="mesh file")
-    arguments.add_out(smooth, "OUT", "mesh file to write; may be IN")
-    smooth.add_argument(
-        "--resolution", type=int, metavar="N", default=8, help="number of edges that each edge is divided into (default: 8)"
-    )
-    smooth.add_argument(
-        "--curve", choices=("hermite", "smits"), default="hermite", help="curve over each edge (default: hermite)"
-    )
+    smooth = arguments.command(commands, "smooth")
+    smooth.add_argument("input", type=Path, **shown("mesh_file_in"))
+    arguments.add_out(smooth, "mesh_file_out")
+    smooth.add_argument("--resolution", type=int, default=8, **shown("edge_parts_flag", default=8))
+    smooth.add_argument("--curve", choices=("hermite", "smits"), default="hermite", **shown("curve_flag", default="hermite"))
     arguments.add_talk(smooth)
-    strip = commands.add_parser(
-        "strip",
-        usage="tripatch strip IN [-o] OUT [options]",
-        help="remove the fills from a file",
-        description="Removes every fill that TriPatch made and gives back the file as it was before, byte for byte.\n"
-        "OBJ, PLY, glTF and 3MF files say themselves what was filled; STL and OFF files need the report.\n\nexamples:\n"
-        "  tripatch strip filled.ply -o original.ply\n"
-        "  tripatch strip filled.stl -o original.stl --report report.json",
-    )
-    strip.add_argument("input", metavar="IN", type=Path, help="mesh file with fills")
-    arguments.add_out(strip, "OUT", "file to write; may be IN")
-    strip.add_argument("--report", type=Path, metavar="FILE.json", help="read the report that `tripatch fill --report` wrote")
+    strip = arguments.command(commands, "strip")
+    strip.add_argument("input", type=Path, **shown("filled_file_in"))
+    arguments.add_out(strip, "original_file_out")
+    strip.add_argument("--report", type=Path, **shown("read_report_flag"))
     arguments.add_talk(strip)
     view.add(commands)
-    commands.add_parser("methods", help="list the constructions", description="Lists the constructions.")
+    arguments.command(commands, "methods")
     return main
 
 

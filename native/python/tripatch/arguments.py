@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from . import messages
 from ._arrays import MAX_SIDES
 from ._native import Option
 from .errors import meant, not_one_of
@@ -156,21 +157,42 @@ def check_choices(given: Mapping[str, Any]) -> None:
         named_value(given[name], OPTIONS[name], flag(name)[2:])
 
 
-def _default(option: Option) -> str:
-    if option.kind in ("indices", "loops", "points", "subdivision") or (option.kind == "flag" and not option.default):
-        return ""
-    if "(default: " in option.description:
-        return ""
+def _default(option: Option) -> dict[str, Any]:
+    """What help says of the default, as a parameter of its text."""
+    if option.kind in ("indices", "loops", "points", "subdivision") or "(default: " in option.description:
+        return {}
     if option.kind == "flag":
-        return " (default: on)"
-    values = option.default if isinstance(option.default, tuple) else (option.default,)
-    words = ("none" if x is None else x if isinstance(x, str) else f"{x:g}" for x in values)
-    return f" (default: {','.join(words)})"
+        return {"on": 1} if option.default else {}
+    return {"default": listed(option.default if isinstance(option.default, tuple) else (option.default,))}
+
+
+def listed(values: Iterable[Any]) -> str:
+    """Values as a command line takes them."""
+    return ",".join("none" if x is None else x if isinstance(x, str) else f"{x:g}" for x in values)
+
+
+def flag_help(code: str, **parameters: Any) -> dict[str, Any]:
+    """The placeholder and the help of an argument, by the table of labels."""
+    placeholder = messages.label(code)
+    return {"help": messages.text(code, **parameters)} | ({"metavar": placeholder} if placeholder else {})
+
+
+def command(commands: Any, name: str, **parameters: Any) -> argparse.ArgumentParser:
+    """The parser of a command, by the table of labels. parameters: of its description."""
+    code, end = f"command_{name}", f"exit_{name}"
+    made: argparse.ArgumentParser = commands.add_parser(
+        name,
+        usage=messages.label(code),
+        help=messages.text(code),
+        description=messages.text(f"about_{name}", **parameters),
+        epilog=messages.text(end) if end in messages.TABLE else None,
+    )
+    return made
 
 
 def add(parser: argparse._ActionsContainer, option: Option) -> None:
     """`--name` for an option; what is not given is not in the namespace."""
-    text = (described(option) + _default(option)).replace("%", "%%")
+    text = described(option, **_default(option)).replace("%", "%%")
     names = [flag(option.name)]
     if option.kind == "flag":
         value: dict[str, Any] = {"action": argparse.BooleanOptionalAction if option.default else "store_true"}
@@ -186,16 +208,16 @@ def add(parser: argparse._ActionsContainer, option: Option) -> None:
 
 def add_groups(parser: argparse.ArgumentParser, options: Iterable[Option]) -> None:
     """Options in the groups of the table."""
-    for title, rows in groups(options).items():
-        group = parser.add_argument_group(title)
+    for code, rows in groups(options).items():
+        group = parser.add_argument_group(messages.label(code))
         for option in rows:
             add(group, option)
 
 
-def add_out(parser: argparse.ArgumentParser, metavar: str, text: str) -> None:
+def add_out(parser: argparse.ArgumentParser, code: str) -> None:
     """The file to write, as a second argument or by -o; `out_of` reads it."""
-    parser.add_argument("out", metavar=metavar, type=Path, nargs="?", help=argparse.SUPPRESS)
-    parser.add_argument("-o", "--out", dest="out_by_name", metavar=metavar, type=Path, help=text)
+    parser.add_argument("out", metavar=messages.label(code), type=Path, nargs="?", help=argparse.SUPPRESS)
+    parser.add_argument("-o", "--out", dest="out_by_name", type=Path, **flag_help(code))
 
 
 def out_of(args: argparse.Namespace) -> Path:
@@ -214,22 +236,28 @@ def out_of(args: argparse.Namespace) -> Path:
 
 def add_talk(parser: argparse.ArgumentParser, *, json: bool = False) -> None:
     """How much is said, and in which form."""
-    group = parser.add_argument_group("Messages").add_mutually_exclusive_group()
+    group = parser.add_argument_group(messages.label("messages_group")).add_mutually_exclusive_group()
     if json:
-        group.add_argument("--json", action="store_true", help="print the report as JSON")
-    group.add_argument("-q", "--quiet", action="store_true", help="print errors only")
+        group.add_argument("--json", action="store_true", **flag_help("json_flag"))
+    group.add_argument("-q", "--quiet", action="store_true", **flag_help("quiet_flag"))
     if json:
-        group.add_argument("-v", "--verbose", action="store_true", help="print a line for each hole")
-        group.add_argument("--why", action="store_true", help="print what each fill was chosen from")
+        group.add_argument("-v", "--verbose", action="store_true", **flag_help("verbose_flag"))
+        group.add_argument("--why", action="store_true", **flag_help("why_flag"))
+
+
+class _Help(argparse.RawDescriptionHelpFormatter):
+    def add_usage(self, usage: Any, actions: Any, groups: Any, prefix: str | None = None) -> None:
+        super().add_usage(usage, actions, groups, messages.label("usage") if prefix is None else prefix)
 
 
 class Parser(argparse.ArgumentParser):
     """A parser that takes whole names only, shows its help if nothing is given, and suggests what may have been meant."""
 
     def __init__(self, *args: Any, **settings: Any) -> None:
-        super().__init__(*args, **{"formatter_class": argparse.RawDescriptionHelpFormatter, **settings, "allow_abbrev": False})
-        self._optionals.title = "General"
-        self._positionals.title = "Arguments"
+        super().__init__(*args, **{"formatter_class": _Help, **settings, "allow_abbrev": False})
+        self._optionals.title = messages.label("general_group")
+        self._positionals.title = messages.label("arguments_group")
+        next(action for action in self._actions if action.dest == "help").help = messages.text("help_flag")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """As of argparse, but what is not known is an error here, where it can be said what may have been meant."""

@@ -14,9 +14,9 @@ class Row:
     """What the table says of a code.
 
     Attributes:
-        kind: "refusal", "warning" or "note".
-        sentence: the pattern of its sentence; messages.h in the core describes patterns.
-        panel: the same for a window; empty: as `sentence`.
+        kind: "refusal", "warning", "report" or "note"; or "label".
+        sentence: the pattern of its sentence; messages.h in the core describes patterns. Of a label: its tooltip, or its help.
+        panel: the same for a window; empty: as `sentence`. Of a label: the label.
         meaning: what it means and what to do.
     """
 
@@ -63,6 +63,16 @@ def wording(
     plain = {name: _plain(value, style) for name, value in parameters.items()}
     pattern = row.panel if panel and row.panel else row.sentence
     return _native._format(pattern, plain, [int(v) for v in where], vertices, panel, dict(names or {}))
+
+
+def label(code: str) -> str:
+    """What a control, a section or the value of a flag is called."""
+    return TABLE[code].panel
+
+
+def text(code: str, **parameters: Any) -> str:
+    """What a control or a flag does. A text without parameters is no pattern."""
+    return wording(code, parameters) if parameters else TABLE[code].sentence
 
 
 class Message(str):

@@ -12,7 +12,7 @@ from typing import Any, TypeVar, overload
 
 import numpy as np
 
-from . import _arrays, _native
+from . import _arrays, _native, messages
 from ._native import Option
 from .errors import meant, not_one_of, out_of_range, wrong_shape, wrong_type
 from .messages import Message
@@ -309,28 +309,25 @@ def not_taken(method: str, values: Mapping[str, Any]) -> list[str]:
     return _native._not_taken(method, given)
 
 
-def described(option: Option) -> str:
-    """The sentence, with the values of a choice."""
+def described(option: Option, **default: Any) -> str:
+    """The sentence, with the values of a choice. default: as the text `option_help` has it."""
     listed = [] if option.none is None else [option.none]
     if option.name != "method":
         listed += option.choices
-    text = option.description + (f" ({option.unit})" if option.unit else "")
-    return text + "".join(f"; {each.name}: {each.description}" for each in listed)
+    if option.unit:
+        default["unit"] = option.unit
+    if listed:
+        default["choices"] = "; ".join(f"{each.name}: {each.description}" for each in listed)
+    return messages.text("option_help", about=option.description, **default)
 
 
-#: Titles of groups, in their order.
-HOLES, FACES, SURFACE, CAGES, PAPERS = (
-    "Which holes",
-    "New faces",
-    "Shape of the fill",
-    "Quads, cages and subdivision surfaces",
-    "Single constructions, to reproduce papers",
-)
+#: Groups, in their order: codes of their titles.
+HOLES, FACES, SURFACE, CAGES, PAPERS = (f"{name}_group" for name in ("holes", "faces", "surface", "cages", "papers"))
 _OF_FACES = ("output", "resolution", "features")
 
 
 def group(option: Option) -> str:
-    """The title of the group that an option is listed in."""
+    """The group that an option is listed in."""
     if "choose_holes" in option.functions or (not {"patch", "fill_all"} & set(option.functions)):
         return HOLES
     if option.name in _OF_FACES:
@@ -345,11 +342,11 @@ def group(option: Option) -> str:
 
 
 def groups(rows: Iterable[Option]) -> dict[str, list[Option]]:
-    """Options by the titles of their groups."""
-    found: dict[str, list[Option]] = {title: [] for title in (HOLES, FACES, SURFACE, CAGES, PAPERS)}
+    """Options by their groups."""
+    found: dict[str, list[Option]] = {code: [] for code in (HOLES, FACES, SURFACE, CAGES, PAPERS)}
     for option in rows:
         found[group(option)].append(option)
-    return {title: listed for title, listed in found.items() if listed}
+    return {code: listed for code, listed in found.items() if listed}
 
 
 @overload

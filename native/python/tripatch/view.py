@@ -21,14 +21,7 @@ _FILL_COLOR = (1.0, 0.72, 0.4)
 _FINER = 2  # pixels a side that are averaged into one
 SIZE, EYE, LINES = (960, 720), (1, -1.4, 0.9), 12
 #: What the picture shows, in the order in which the help says it.
-KINDS = {
-    "zebra": "reflected zebra stripes",
-    "highlight": "lines of equal slope against a direction",
-    "curvature": "mean curvature: blue is hollow, red is bulging",
-    "seam": "angle at the seam along --rim, or at every edge",
-    "deviation": "error estimate in a PLY file (fill --deviation): blue is 0, gray is unknown",
-    "folds": "folds in red",
-}
+KINDS = ("zebra", "highlight", "curvature", "seam", "deviation", "folds")
 
 
 def _lit(normals: Array, axes: Array) -> Array:
@@ -149,33 +142,20 @@ def _numbers(count: int | None = None, kind: Callable[[str], Any] = float) -> Ca
 
 def add(commands: Any) -> None:
     """The command `view` of a command line."""
-    view = commands.add_parser(
-        "view",
-        usage="tripatch view FILE [-o] OUT.png [options]",
-        help="draw a picture that shows the quality of a mesh",
-        description="Draws the mesh in FILE to a PNG picture.\n\nexamples:\n"
-        "  tripatch view filled.ply zebra.png\n"
-        "  tripatch view filled.obj -o seam.png --seam --rim 12,13,14,57,56,31",
-    )
-    view.add_argument("input", metavar="FILE", type=Path, help="mesh file")
-    arguments.add_out(view, "OUT.png", "picture to write")
+    view, shown = arguments.command(commands, "view"), arguments.flag_help
+    view.add_argument("input", type=Path, **shown("viewed_file_in"))
+    arguments.add_out(view, "picture_out")
     kinds = view.add_mutually_exclusive_group()
-    for kind, words in KINDS.items():
-        kinds.add_argument(f"--{kind}", dest="kind", action="store_const", const=kind, help=words)
-    rim = {"type": _numbers(kind=int), "action": "append", "default": []}
-    view.add_argument("--rim", metavar="V,V,...", help="boundary of a fill; may be given several times", **rim)
-    view.add_argument(
-        "--from", dest="toward", type=_numbers(3), default=EYE, metavar="X,Y,Z", help="position of the eye (default: 1,-1.4,0.9)"
-    )
-    view.add_argument(
-        "--direction", type=_numbers(3), default=[0, 0, 1], metavar="X,Y,Z", help="direction of the stripes (default: 0,0,1)"
-    )
-    view.add_argument("--lines", type=float, default=LINES, metavar="N", help="pairs of stripes over half a turn (default: 12)")
-    view.add_argument("--max", type=float, metavar="X", help="value at which the colors end")
+    for kind in KINDS:
+        kinds.add_argument(f"--{kind}", dest="kind", action="store_const", const=kind, **shown(f"view_{kind}"))
+    view.add_argument("--rim", type=_numbers(kind=int), action="append", default=[], **shown("view_rim_flag"))
+    eye, size = arguments.listed(EYE), arguments.listed(SIZE)
+    view.add_argument("--from", dest="toward", type=_numbers(3), default=EYE, **shown("from_flag", default=eye))
+    view.add_argument("--direction", type=_numbers(3), default=[0, 0, 1], **shown("direction_flag", default="0,0,1"))
+    view.add_argument("--lines", type=float, default=LINES, **shown("lines_flag", default=LINES))
+    view.add_argument("--max", type=float, **shown("max_flag"))
     view.add_argument("--most", dest="max", type=float, help=argparse.SUPPRESS)  # its first name
-    view.add_argument(
-        "--size", type=_numbers(2, int), default=SIZE, metavar="W,H", help="width and height in pixels (default: 960,720)"
-    )
+    view.add_argument("--size", type=_numbers(2, int), default=SIZE, **shown("size_flag", default=size))
     arguments.add_talk(view)
     view.set_defaults(kind="zebra")
 

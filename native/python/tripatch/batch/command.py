@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import __version__, arguments, words
+from .. import __version__, arguments, messages, words
 from ..errors import out_of_range
 from ..filling import fill_all
 from ..holes import choose_holes
@@ -26,22 +26,6 @@ from .progress import Progress
 from .settings import BATCH_OPTIONS, FILL, LIST, Settings
 
 DONE, NOTHING, USAGE, SOME, STOPPED = 0, 1, 2, 3, 130
-
-_DESCRIPTION = f"""\
-Fills every hole of many mesh files, on all cores or on a Dask cluster.
-
-examples:
-  tripatch batch scans/ -o filled/               fill the holes of all OBJ, PLY, STL, OFF and .blend files in a folder
-  tripatch batch a.ply b.ply -o filled/ --faces quads --time-limit 60
-  tripatch batch scans/ -o filled/ --dry-run     list the holes and write nothing
-
-Results lie in FOLDER as the inputs lie below the deepest folder that holds them all. A file that crashes TriPatch, or takes too
-much time or memory, costs only itself. If a run was stopped, the same command continues it.
-
-FOLDER/{journal.LINES} has a JSON line for each file and each hole, FOLDER/{journal.SHEET} shows the worst seams."""
-_EPILOG = """\
-exit status: 0 every file is filled or has no hole; 3 some holes were refused, or some files failed; 1 no hole was filled;
-2 bad usage; 130 stopped by Ctrl-C. With --range 0 whenever the portion was gone through"""
 
 
 def _range(text: str) -> tuple[int, int]:
@@ -78,43 +62,25 @@ _seconds.__name__ = "number of seconds"  # as it is called where the text is non
 
 def add(commands: Any) -> None:
     """The parser of `tripatch batch`."""
-    batch = commands.add_parser(
-        "batch",
-        usage="tripatch batch INPUT... -o FOLDER [options]",
-        help="fill the holes of many files",
-        description=_DESCRIPTION,
-        epilog=_EPILOG,
-    )
-    batch.add_argument("inputs", metavar="INPUT", nargs="*", help="mesh files and folders of them")
-    batch.add_argument("--files", type=Path, metavar="LIST", help="text file that lists the inputs, one a line")
-    batch.add_argument(
-        "-o", "--out", type=Path, required=True, metavar="FOLDER", help="folder for the results; created if missing"
-    )
-    batch.add_argument(
-        "--root", metavar="FOLDER", help="folder that result paths are relative to (default: deepest common folder)"
-    )
-    batch.add_argument("--dry-run", action="store_true", help="list the holes and why some are skipped; write nothing")
-    where = batch.add_argument_group("Where the work is done")
-    where.add_argument("--workers", type=_whole(0), metavar="N", help="number of processes (default: as many as cores)")
-    where.add_argument("--scheduler", metavar="ADDRESS", help="address of a Dask scheduler whose workers see the same folders")
-    where.add_argument("--range", type=_range, metavar="A-B", help="fill only these files of the list, counted from 1")
-    where.add_argument(
-        "--emit",
-        choices=emit.KINDS,
-        help="print commands or a job for a render farm; none has run under a real manager yet",
-    )
-    where.add_argument("--chunk", type=_whole(1), default=50, metavar="N", help="number of files in each command (default: 50)")
-    limits = batch.add_argument_group("Limits")
-    limits.add_argument("--time-limit", type=_seconds, metavar="SECONDS", help="largest time of a file")
-    limits.add_argument(
-        "--memory-limit", type=_whole(200, sys.maxsize >> 20), metavar="MB", help="largest memory of a process (Linux only)"
-    )
-    limits.add_argument(
-        "--retries", type=_whole(0), default=1, metavar="N", help="how often to try a file again after a crash (default: 1)"
-    )
-    batch.add_argument("--worst", type=_whole(0), default=12, metavar="N", help="number of seams in the picture (default: 12)")
-    batch.add_argument("--blender", default="blender", metavar="PROGRAM", help="Blender for .blend files (default: blender)")
-    batch.add_argument("--addon", metavar="FOLDER", help="folder that contains tripatch_blender, if it is not installed")
+    batch, shown = arguments.command(commands, "batch", lines=journal.LINES, sheet=journal.SHEET), arguments.flag_help
+    batch.add_argument("inputs", nargs="*", **shown("batch_inputs"))
+    batch.add_argument("--files", type=Path, **shown("files_flag"))
+    batch.add_argument("-o", "--out", type=Path, required=True, **shown("batch_out_flag"))
+    batch.add_argument("--root", **shown("root_flag"))
+    batch.add_argument("--dry-run", action="store_true", **shown("dry_run_flag"))
+    where = batch.add_argument_group(messages.label("workers_group"))
+    where.add_argument("--workers", type=_whole(0), **shown("workers_flag"))
+    where.add_argument("--scheduler", **shown("scheduler_flag"))
+    where.add_argument("--range", type=_range, **shown("range_flag"))
+    where.add_argument("--emit", choices=emit.KINDS, **shown("emit_flag"))
+    where.add_argument("--chunk", type=_whole(1), default=50, **shown("chunk_flag", default=50))
+    limits = batch.add_argument_group(messages.label("limits_group"))
+    limits.add_argument("--time-limit", type=_seconds, **shown("time_limit_flag"))
+    limits.add_argument("--memory-limit", type=_whole(200, sys.maxsize >> 20), **shown("memory_limit_flag"))
+    limits.add_argument("--retries", type=_whole(0), default=1, **shown("retries_flag", default=1))
+    batch.add_argument("--worst", type=_whole(0), default=12, **shown("worst_flag", default=12))
+    batch.add_argument("--blender", default="blender", **shown("blender_flag", default="blender"))
+    batch.add_argument("--addon", **shown("addon_flag"))
     arguments.add_groups(batch, BATCH_OPTIONS.values())
     arguments.add_talk(batch)
 
