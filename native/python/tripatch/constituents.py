@@ -11,7 +11,8 @@ import numpy as np
 
 from ._native import BezierRectangle, NurbsSurface, Patch, Side
 from ._types import Array
-from .between import Curve, Loop, SurfaceEdge, Way, facing
+from .between import Loop, facing
+from .curves import Curve, SurfaceEdge, Way
 from .errors import Refusal
 from .messages import Message
 from .nurbs import _basis
