@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import zlib
-from contextlib import contextmanager
 
 import bmesh
 import bpy
@@ -31,6 +30,7 @@ from . import (
     waiting,
     writeback,
 )
+from .edit_mode import edited
 from .library import np, tripatch
 from .selection import Rim, UnusableError
 
@@ -425,52 +425,6 @@ def reshape(fill, shape):
     return refill(fill)
 
 
-def _check_is_shown(ob):
-    """UnusableError if Blender would not edit an object here."""
-    if not ob.users_scene:
-        raise UnusableError("live_in_no_scene", name=ob.name)
-    if bpy.context.scene not in ob.users_scene:
-        raise UnusableError("live_in_other_scene", name=ob.name, scene=ob.users_scene[0].name)
-    if ob.library or ob.data.library:
-        raise UnusableError("live_linked", name=ob.name)
-    if bpy.context.view_layer.objects.get(ob.name) != ob or ob.hide_viewport:
-        raise UnusableError("live_switched_off", name=ob.name)
-
-
-@contextmanager
-def _edited(ob):
-    """Edit mode of an object inside, and again of those that are edited now. UnusableError if it cannot be."""
-    if ob.mode == "EDIT":
-        yield
-        return
-    _check_is_shown(ob)
-    objects, others = bpy.context.view_layer.objects, []
-    if bpy.context.mode == "EDIT_MESH":
-        others = [objects.active, *(other for other in bpy.context.objects_in_mode if other != objects.active)]
-        bpy.ops.object.mode_set(mode="OBJECT")
-    selected = bpy.context.selected_objects
-    _only_selected([ob])
-    try:
-        bpy.ops.object.mode_set(mode="EDIT")
-        yield
-    finally:
-        bpy.ops.object.mode_set(mode="OBJECT")
-        if others:
-            _only_selected(others)
-            bpy.ops.object.mode_set(mode="EDIT")
-        for other in bpy.context.view_layer.objects:
-            other.select_set(other in selected)
-
-
-def _only_selected(objects):
-    """The first becomes the active one."""
-    for other in bpy.context.selected_objects:
-        other.select_set(False)
-    for ob in objects:
-        ob.select_set(True)
-    bpy.context.view_layer.objects.active = objects[0]
-
-
 def apply(fill):
     """Ends a live fill. One of a hole becomes faces of the mesh around, in all its shapes; one between objects, or of a mesh that
     is gone, is a mesh of its own already. Leaves object mode as it was."""
@@ -483,7 +437,7 @@ def apply(fill):
         forget(fill)
         return fill
     (ob,) = objects
-    with _edited(ob), layers.standing_aside(bpy.context, [ob]):
+    with edited(ob), layers.standing_aside(bpy.context, [ob]):
         bm = bmesh.from_edit_mesh(ob.data)
         _apply_hole(ob, bm, settings)
         selection.finish_edit(bm, ob.data)

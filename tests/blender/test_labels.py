@@ -144,12 +144,12 @@ def test_nothing_in_a_panel_is_glued_together(addon, in_pseudo_language):  # noq
         before = len(said)
         draw(said)
         silent += len(said) == before
-    tool = module(addon, "tool")
-    tool.start(shaping.from_selection(bpy.context.object, bm))
+    tool, view = module(addon, "tool"), module(addon, "shaping_view")
+    view.start(shaping.from_selection(bpy.context.object, bm))
     try:
         tool.TRIPATCH_TOOL_shape.draw_settings(bpy.context, Layout(said), None)
     finally:
-        tool.stop()
+        view.stop()
     assert len(said) > 40 and silent <= 5
     for text in said:
         for name in sorted(known, key=len, reverse=True):

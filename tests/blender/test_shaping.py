@@ -16,8 +16,8 @@ def shaping(addon):
 
 
 @pytest.fixture
-def tool(addon):
-    module = sys.modules[addon.__name__ + ".tool"]
+def view(addon):
+    module = sys.modules[addon.__name__ + ".shaping_view"]
     yield module
     module.stop()
 
@@ -141,22 +141,22 @@ def test_the_arrow_of_the_middle_moves_the_middle_along_its_normal(shaping):
     assert ((made.fill.vertices - at) @ normal).max() == pytest.approx(0.1, abs=0.02)
 
 
-def test_what_is_shown_is_what_is_written_in_one_step_of_undo(shaping, tool):
+def test_what_is_shown_is_what_is_written_in_one_step_of_undo(shaping, view):
     ob, bm, made = lattice_hole(shaping)
     name = ob.name
     bpy.ops.ed.undo_push(message="before")
     before = scenes.state(name)
-    tool.start(shaping.from_selection(bpy.data.objects[name], bmesh.from_edit_mesh(bpy.data.objects[name].data)))
-    made = tool.current()
+    view.start(shaping.from_selection(bpy.data.objects[name], bmesh.from_edit_mesh(bpy.data.objects[name].data)))
+    made = view.current()
     made.set_bulge(0, 1.7)
     made.set_middle(0.05)
     made.preview()
     shown = made.fill.vertices
     assert scenes.state(name) == before, "the mesh is not touched"
-    tool.start(shaping.from_selection(bpy.data.objects[name], bmesh.from_edit_mesh(bpy.data.objects[name].data)))
-    tool.current().shape = made.shape
+    view.start(shaping.from_selection(bpy.data.objects[name], bmesh.from_edit_mesh(bpy.data.objects[name].data)))
+    view.current().shape = made.shape
     assert bpy.ops.mesh.shape_fill_confirm("EXEC_DEFAULT", True) == {"FINISHED"}
-    assert tool.current() is None
+    assert view.current() is None
     mesh = np.array([v.co for v in bmesh.from_edit_mesh(bpy.data.objects[name].data).verts])
     assert max(np.linalg.norm(mesh - p, axis=1).min() for p in shown) < 1e-6
     bpy.ops.ed.undo_push(message="after")
@@ -165,7 +165,7 @@ def test_what_is_shown_is_what_is_written_in_one_step_of_undo(shaping, tool):
     assert scenes.state(name)["vertices"] == before["vertices"]
 
 
-def test_a_round_fill_is_written_without_corners(shaping, tool):
+def test_a_round_fill_is_written_without_corners(shaping, view):
     ob = scenes.add_mesh(*scenes.ring())
     (bm,) = scenes.edit(ob)
     scenes.select_rim(bm, scenes.border_loops(bm)[0])
@@ -175,25 +175,25 @@ def test_a_round_fill_is_written_without_corners(shaping, tool):
     assert len(scenes.border_loops(bmesh.from_edit_mesh(ob.data))) == 1
 
 
-def test_leaving_it_leaves_the_mesh(shaping, tool):
+def test_leaving_it_leaves_the_mesh(shaping, view):
     ob, _, _ = lattice_hole(shaping)
     before = scenes.state(ob.name)
-    assert bpy.ops.mesh.shape_fill() == {"FINISHED"} and tool.current() is not None
-    assert bpy.ops.mesh.shape_fill_cancel() == {"FINISHED"} and tool.current() is None
+    assert bpy.ops.mesh.shape_fill() == {"FINISHED"} and view.current() is not None
+    assert bpy.ops.mesh.shape_fill_cancel() == {"FINISHED"} and view.current() is None
     assert scenes.state(ob.name) == before
-    assert not bpy.ops.mesh.shape_fill_confirm.poll() and tool._state.handle is None
+    assert not bpy.ops.mesh.shape_fill_confirm.poll() and view._state.handle is None
 
 
-def test_a_mesh_that_has_changed_is_not_written_to(shaping, tool):
+def test_a_mesh_that_has_changed_is_not_written_to(shaping, view):
     ob, bm, _ = lattice_hole(shaping)
     bpy.ops.mesh.shape_fill()
     loop = scenes.border_loops(bm)[0]
     loop[0].co.z += 0.1
-    assert not tool.current().is_current(bm)
+    assert not view.current().is_current(bm)
     with pytest.raises(RuntimeError, match="The mesh has changed; choose the hole again"):
         bpy.ops.mesh.shape_fill_confirm()
-    tool._on_undo()
-    assert tool.current() is None
+    view._on_undo()
+    assert view.current() is None
 
 
 def test_a_click_means_the_nearest_rim_within_reach(shaping):
@@ -266,7 +266,7 @@ def triangular_rim(shaping):
     return lattice_hole(shaping)[2]
 
 
-def test_the_header_says_what_helps(tool):
+def test_the_header_says_what_helps(view):
     ob = scenes.add_mesh(*scenes.square_hole())
     (bm,) = scenes.edit(ob)
     loop = scenes.border_loops(bm)[0]
@@ -274,7 +274,7 @@ def test_the_header_says_what_helps(tool):
     loop[0].link_faces[0].normal_flip()
     bmesh.update_edit_mesh(ob.data)
     assert bpy.ops.mesh.shape_fill() == {"FINISHED"}
-    assert tool._state.problem.endswith("Mesh > Normals > Recalculate Outside turns them")
+    assert view._state.problem.endswith("Mesh > Normals > Recalculate Outside turns them")
 
 
 def test_a_rim_that_is_a_point_is_not_shaped(shaping):
@@ -305,11 +305,11 @@ class Layout:
 
 
 @pytest.mark.parametrize("region", ["UI", "TOOL_HEADER"])
-def test_a_problem_can_be_read_in_whole(tool, region):
+def test_a_problem_can_be_read_in_whole(addon, view, region):
     """In the sidebar in lines; a header has one line, which a click on its beginning opens."""
-    tool._state.problem = problem = "The mesh folds back at the rim near vertex 17; " * 4 + "and so on"
+    view._state.problem = problem = "The mesh folds back at the rim near vertex 17; " * 4 + "and so on"
     context, layout = types.SimpleNamespace(region=types.SimpleNamespace(type=region, width=300)), Layout()
-    tool._draw_problem(context, layout)
+    sys.modules[addon.__name__ + ".tool"]._draw_problem(context, layout)
     if region != "UI":
         ((name, text),) = layout.popovers
         assert not layout.said and len(text) < 50 and text[:30] == problem[:30]
@@ -317,7 +317,7 @@ def test_a_problem_can_be_read_in_whole(tool, region):
         getattr(bpy.types, name).draw(layout, context)
         layout = layout.layout
     assert " ".join(layout.said) == problem and max(map(len, layout.said)) < 70
-    tool.stop()
+    view.stop()
 
 
 @pytest.mark.parametrize("pixels", [100, 200, 400, 2000])
@@ -360,14 +360,14 @@ RIMS = [square_rim, wavy_rim, four_cornered_rim, three_cornered_rim, round_rim, 
 
 @pytest.mark.parametrize("output", ["triangles", "quads"])
 @pytest.mark.parametrize("make", RIMS)
-def test_while_dragging_what_is_shown_is_what_is_inserted_with_its_edges(shaping, tool, make, output):
+def test_while_dragging_what_is_shown_is_what_is_inserted_with_its_edges(shaping, view, make, output):
     made = make(shaping)
     made.set_arguments({"output": output})
-    tool.start(made)
+    view.start(made)
     plain = made.fill.vertices.copy()
-    tool.bulge_handlers(0)[1](1.6 * shaping.ARROW * made.size)
-    tool.middle_handlers()[1](0.08 * made.size)
-    tool._settle()
+    view.bulge_handlers(0)[1](1.6 * shaping.ARROW * made.size)
+    view.middle_handlers()[1](0.08 * made.size)
+    view._settle()
     assert not made.refusal and made.is_shown
     vertices, _, edges = made.surface()
     assert plain.shape != made.fill.vertices.shape or np.abs(made.fill.vertices - plain).max() > 0.02 * made.size
@@ -400,31 +400,31 @@ def test_a_handle_that_the_fill_does_not_follow_is_not_offered(shaping, make):
     assert made.honors("bulge") == (make is not ridge_rim)
 
 
-def test_a_fill_that_takes_long_is_made_when_the_handle_rests(shaping, tool, monkeypatch):
-    monkeypatch.setattr(tool, "_PROMPT", 0.0)
+def test_a_fill_that_takes_long_is_made_when_the_handle_rests(shaping, view, monkeypatch):
+    monkeypatch.setattr(view, "_PROMPT", 0.0)
     _, _, made = lattice_hole(shaping)
-    tool.start(made)
+    view.start(made)
     shown = made.fill
-    tool.bulge_handlers(0)[1](0.3 * made.size)
-    assert made.fill is shown and not made.is_shown and bpy.app.timers.is_registered(tool._settle)
-    tool._settle()
+    view.bulge_handlers(0)[1](0.3 * made.size)
+    assert made.fill is shown and not made.is_shown and bpy.app.timers.is_registered(view._settle)
+    view._settle()
     assert made.fill is not shown and made.is_shown
-    tool.stop()
-    assert not bpy.app.timers.is_registered(tool._settle)
+    view.stop()
+    assert not bpy.app.timers.is_registered(view._settle)
 
 
-def test_a_handle_that_is_set_again_to_what_it_is_makes_nothing_anew(shaping, tool):
+def test_a_handle_that_is_set_again_to_what_it_is_makes_nothing_anew(shaping, view):
     _, _, made = lattice_hole(shaping)
-    tool.start(made)
-    for _, put in (tool.bulge_handlers(0), tool.middle_handlers()):
+    view.start(made)
+    for _, put in (view.bulge_handlers(0), view.middle_handlers()):
         put(0.2 * made.size)
-        tool._settle()
+        view._settle()
         shown = made.fill
-        if bpy.app.timers.is_registered(tool._settle):
-            bpy.app.timers.unregister(tool._settle)
+        if bpy.app.timers.is_registered(view._settle):
+            bpy.app.timers.unregister(view._settle)
         put(float(np.float32(0.2 * made.size)))  # as Blender does in each drawing
-        assert made.is_shown and made.fill is shown and not bpy.app.timers.is_registered(tool._settle)
-    tool.stop()
+        assert made.is_shown and made.fill is shown and not bpy.app.timers.is_registered(view._settle)
+    view.stop()
 
 
 @pytest.mark.parametrize("part", [0, 1, 2])
@@ -452,9 +452,9 @@ def test_a_side_without_tangency_has_a_kink_where_its_label_stands(shaping):
     assert turned[at[0]] > 1e-5 > 1e-6 > max(turned[at[1:]])
 
 
-def test_the_chosen_continuity_is_written_and_remembered(shaping, tool):
+def test_the_chosen_continuity_is_written_and_remembered(shaping, view):
     ob, _, made = lattice_hole(shaping)
-    tool.start(made)
+    view.start(made)
     made.next_continuity(1)
     kept = made.continuities()
     assert bpy.ops.mesh.shape_fill_confirm() == {"FINISHED"}

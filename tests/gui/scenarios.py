@@ -401,10 +401,10 @@ def points_inside(w):
 
 
 def _tool(w):
-    """Chooses the workspace tool; returns its module."""
+    """Chooses the workspace tool; returns the module that has its hole."""
     with w.override():
         bpy.ops.wm.tool_set_by_id(name="tripatch.shape_fill")
-    return importlib.import_module(f"{ADDON}.tool")
+    return importlib.import_module(f"{ADDON}.shaping_view")
 
 
 def _drag(w, start, end, steps=6):

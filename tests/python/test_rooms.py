@@ -15,7 +15,8 @@ BINDINGS = sorted((ROOT / "native" / "bindings").glob("*.cpp"))
 MODULES = sorted(
     [*(ROOT / "native" / "python").rglob("*.py"), *(ROOT / "addon").rglob("*.py"), *(ROOT / "scripts").rglob("*.py")]
 )
-LONGEST, LARGEST, INSTALLED = 80, 14, 25  # lines of a function, sources of a room, public headers
+# lines of a function and of a module of Python, sources of a room, public headers
+LONGEST, LINES, LARGEST, INSTALLED = 80, 500, 14, 25
 
 pytestmark = pytest.mark.skipif(not SOURCES, reason="the sources of the library are not here")
 
@@ -71,6 +72,11 @@ def test_no_function_of_python_is_longer_than_a_screen(path):
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
             assert node.end_lineno - node.lineno < LONGEST, node.name
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_no_module_of_python_is_too_long(path):
+    assert len(path.read_text().splitlines()) <= LINES
 
 
 def rooms():
