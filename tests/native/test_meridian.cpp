@@ -163,7 +163,8 @@ TEST_CASE("a meridian is taken that says it is as well known as a third of what 
   const auto taken = [](double step) {
     const Turned mesh(hill, 24, steps(4, step));
     const Mesh given{mesh.vertices, mesh.faces};
-    const PolygonFill made = fill_round(given, Connectivity(mesh.faces, mesh.vertices.rows()), mesh.rim, {});
+    const Connectivity around(given);
+    const PolygonFill made = fill_round(given, around, disc_input(given, around, mesh.rim, {}), {});
     return made.fill.sides[0].curvature_error == mesh.read()->curvature_deviation;
   };
   CHECK_FALSE(taken(0.4));  // 3.05 times as much

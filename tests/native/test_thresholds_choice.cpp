@@ -73,8 +73,8 @@ TEST_CASE("a patch that folds between given corners has no faces made where a su
   const Mesh mesh = hole.mesh();
   const Connectivity around(mesh);
   const std::vector<Index> beside = {4, 8, 16, 24};  // the first in the middle of a side, which has a corner in it now
-  const PolygonFill whole = fill_with_polygon(mesh, around, hole.rim, beside, {}),
-                    alone = fill_with_polygon(mesh, around, hole.rim, beside, {}, false);
+  const PolygonInput read = polygon_input(mesh, around, hole.rim, beside, {});
+  const PolygonFill whole = fill_with_polygon(mesh, around, read, {}), alone = fill_with_polygon(mesh, around, read, {}, false);
   REQUIRE(whole.fill.report.folds > 0);
   CHECK(whole.fill.faces.size() > 0);
   CHECK(alone.fill.faces.size() == 0);
@@ -87,7 +87,8 @@ TEST_CASE("a patch that folds between given corners has no faces made where a su
   const Fill filled = fill(mesh, options);
   CHECK(filled.report.method == "polyharmonic_spline");
   CHECK(filled.faces.size() > 0);
-  const PolygonFill unfolded = fill_with_polygon(mesh, around, hole.rim, hole.corners, {}, false);
+  const PolygonFill unfolded =
+      fill_with_polygon(mesh, around, polygon_input(mesh, around, hole.rim, hole.corners, {}), {}, false);
   CHECK((unfolded.fill.report.folds == 0 && unfolded.fill.faces.size() > 0));
 }
 
@@ -115,7 +116,7 @@ TEST_CASE("two sides that are known without noise keep planes of their own from 
 TEST_CASE("a round rim has six edges", "[thresholds]") {
   for (const int edges : {5, 6}) {
     const Skirts hole(std::vector<int>(edges, 1), [](double) { return 0.0; });
-    const auto filled = [&] { fill_round(hole.mesh(), Connectivity(hole.mesh()), hole.rim, {}); };
+    const auto filled = [&] { disc_input(hole.mesh(), Connectivity(hole.mesh()), hole.rim, {}); };
     if (edges < 6) {
       CHECK(refusal_code([&] { filled(); }) == "round_rim_too_short");
     } else {

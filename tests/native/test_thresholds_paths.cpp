@@ -38,6 +38,10 @@ struct Rings {
     if (choose) choose(options);
     return fill(mesh(), options);
   }
+  PolygonFill round() const {
+    const Connectivity around(mesh());
+    return fill_round(mesh(), around, disc_input(mesh(), around, rim, {}), {});
+  }
 };
 
 Vec3 flat(double angle, Index ring) { return Vec3(std::cos(angle), std::sin(angle), 0) * (1 + 0.5 * static_cast<double>(ring)); }
@@ -111,8 +115,7 @@ TEST_CASE("of four corners that a cage guesses those are taken that begin first,
 TEST_CASE("a round rim has as many waves as edges, 48 at most", "[thresholds]") {
   for (const Index edges : {40, 47, 49, 60}) {
     const Rings hole(edges, 4, dome);
-    const Mesh mesh = hole.mesh();
-    const PolygonFill made = fill_round(mesh, Connectivity(mesh), hole.rim, {});
+    const PolygonFill made = hole.round();
     const auto patch = std::dynamic_pointer_cast<const RoundSurface>(made.fill.patch);
     REQUIRE(patch);
     CHECK(patch->terms()[0].rows() == 2 * std::min<Index>(edges, 48) + 1);
@@ -125,8 +128,7 @@ TEST_CASE("a rim's waves are taken for what they are that have four vertices eac
     constexpr double height = 1e-5;  // so low that the vertices are as far from each other along the rim as on the circle
     const auto wave = [&](double angle) { return height * std::cos(static_cast<double>(waves) * angle); };
     const Rings hole(edges, 4, [&](double angle, Index ring) { return Vec3(flat(angle, ring) + wave(angle) * Vec3::UnitZ()); });
-    const Mesh mesh = hole.mesh();
-    const Side side = fill_round(mesh, Connectivity(mesh), hole.rim, {}).fill.sides[0];
+    const Side side = hole.round().fill.sides[0];
     double most = 0;
     for (int k = 0; k < 200; ++k) most = std::max(most, std::abs(side.c(k / 200.0)[2] - wave(2 * std::numbers::pi * k / 200)));
     return most / height;
@@ -145,8 +147,7 @@ TEST_CASE("a round rim of few vertices is the circle through them", "[thresholds
     const double lean = 0.5 + 0.1 * static_cast<double>(ring);
     return {std::sin(lean) * std::cos(angle), std::sin(lean) * std::sin(angle), std::cos(lean)};
   });
-  const Mesh mesh = hole.mesh();
-  const Side side = fill_round(mesh, Connectivity(mesh), hole.rim, {}).fill.sides[0];
+  const Side side = hole.round().fill.sides[0];
   for (int k = 0; k < 50; ++k) CHECK(side.c(k / 50.0).head<2>().norm() == Approx(std::sin(0.5)).epsilon(1e-9));
 }
 

@@ -124,9 +124,8 @@ def test_names_in_a_room_are_unique(room):
     assert {name: sorted(files) for name, files in owners.items() if len(files) > 1} == {}
 
 
-def test_rooms_call_back_for_few_reasons():
-    """The functions of a user, how far the work is, what vertices are called, what threads share, and how uncertain tangent
-    planes are before a patch is made of them."""
+def test_rooms_call_back_for_progress_and_samples_only():
+    """The functions of a user, how far the work is, what vertices are called, and what threads share."""
     allowed = {
         "piecewise_polynomial.h",
         "piecewise_polynomial.cpp",
@@ -137,7 +136,6 @@ def test_rooms_call_back_for_few_reasons():
         "messages.cpp",
         "parallel.h",
         "parallel.cpp",
-        "polygon_fill.h",
     }
     holders = {path.name for path in [*SOURCES, *HEADERS] if "std::function" in plain(path.read_text())}
     assert holders <= allowed

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "tripatch/constructions/methods.h"
 #include "tripatch/creases/features.h"
@@ -176,6 +177,9 @@ private:
   SidesFound out_;
 };
 
+/// What the patch of a hole is made of.
+using PatchInput = std::variant<TriangleInput, PolygonInput, DiscInput>;
+
 }  // namespace
 
 /// Of one hole.
@@ -203,6 +207,7 @@ struct FillProblem {
   const Corners& corners;         ///< as given
   const FillOptions& options;
   const double size = diameter(context.mesh, loop);
+  std::optional<PatchInput> input;   ///< once it is read for the patch
   bool is_of_revolution = false;     ///< the surroundings of a round rim
   std::optional<Fill> early_spline;  ///< if it was made before the patch
 
@@ -261,11 +266,6 @@ Fill make_rows(FillProblem& problem, const TriedFills&) {
   return std::move(*fill);
 }
 
-std::string skip_patch(FillProblem& problem, const TriedFills&) {
-  const SidesFound& sides = problem.sides();
-  return sides.domain == Domain::none ? sides.reason : "";
-}
-
 Fill new_spline(FillProblem& problem, const TriedFills& tried) {
   Fill fill = problem.spline();
   const std::optional<Fill>& rows = tried.front().fill;  // even quads, whatever their heights
@@ -274,29 +274,56 @@ Fill new_spline(FillProblem& problem, const TriedFills& tried) {
   return fill;
 }
 
-/// Before a patch is made, by the error of its tangent planes in degrees: throws LessAccurate where the spline is better whatever the patch
-/// is like.
-void weigh(FillProblem& problem, const TriedFills& tried, double degrees) {
-  const double least = least_error(degrees, problem.size);
-  if (wants_patch(problem) || is_negligible(least, problem.size)) return;
-  try {
-    problem.early_spline = new_spline(problem, tried);
-  } catch (const CodedRefusal&) {
-    return;  // reported where the spline has its turn
-  }
-  const Quality quality = judged(problem, *problem.early_spline);
-  if (is_valid(quality) && least >= quality.expected_error) throw LessAccurate{problem.early_spline->report.method};
-}
-
 void check_sides(const FillContext& context, const std::vector<Index>& rim, std::span<const Index> corners) {
   if (zigzag(context.mesh, rim, corners) > smooth_sides) throw CodedRefusal(Code::sides_zigzag, rim);
 }
 
-Fill make_triangle(FillProblem& problem, const PlanesEstimated& estimated) {
+FillOptions options_of_patch(FillProblem& problem) {
+  FillOptions options = problem.sides().options;
+  if (problem.sides().domain != Domain::triangle) options.cross_boundary = CrossBoundary::consistent;  // of three sides
+  return options;
+}
+
+PatchInput read_input(FillProblem& problem) {
+  const FillContext& context = problem.context;
   const SidesFound& sides = problem.sides();
-  check_counts(sides.options, 3);
-  check_sides(problem.context, sides.hole.rim, sides.hole.corners);
-  return fill_with_patch(problem.context, sides.hole, sides.options, estimated);
+  const FillOptions options = options_of_patch(problem);
+  if (sides.domain == Domain::triangle) {
+    check_counts(options, 3);
+    check_sides(context, sides.hole.rim, sides.hole.corners);
+    return triangle_input(context, sides.hole, options);
+  }
+  if (sides.domain == Domain::disc) {
+    check_counts(options, 1);
+    check_positions(context.mesh, context.left, problem.loop);
+    return disc_input(context.mesh, context.left, problem.loop, options, context.planes);
+  }
+  check_counts(options, sides.corners.size());
+  const CorneredRim found = cornered(context, problem.rim, sides.corners);
+  check_sides(context, found.rim, found.places);
+  if (!wants_patch(problem)) problem.begin_spline();
+  return polygon_input(context.mesh, context.left, found.rim, found.places, options, context.planes);
+}
+
+const PatchInput& input_of(FillProblem& problem) {
+  if (!problem.input) problem.input = read_input(problem);
+  return *problem.input;
+}
+
+/// A patch is left out whose tangent planes are so uncertain that the spline is better whatever the patch is like.
+std::string skip_patch(FillProblem& problem, const TriedFills& tried) {
+  if (problem.sides().domain == Domain::none) return problem.sides().reason;
+  const double degrees = std::visit([](const auto& input) { return input.planes_error; }, input_of(problem));
+  const double least = least_error(degrees, problem.size);
+  if (wants_patch(problem) || is_negligible(least, problem.size)) return "";
+  try {
+    problem.early_spline = new_spline(problem, tried);
+  } catch (const CodedRefusal&) {
+    return "";  // reported where the spline has its turn
+  }
+  const Quality quality = judged(problem, *problem.early_spline);
+  const bool beaten = is_valid(quality) && least >= quality.expected_error;
+  return beaten ? "cannot be more accurate than " + problem.early_spline->report.method : "";
 }
 
 bool is_beside_sharp(const Fill& patch) { return std::ranges::count(patch.report.continuity, SeamContinuity::free) > 0; }
@@ -306,40 +333,31 @@ Fill unless_given_up(const FillProblem& problem, PolygonFill made) {
   return std::move(made.fill);
 }
 
-/// Between two sides or four and more. laid_out: also if it folds.
-Fill make_polygon(FillProblem& problem, bool laid_out, const PlanesEstimated& estimated = {}) {
-  const SidesFound& sides = problem.sides();
-  FillOptions options = sides.options;
-  options.cross_boundary = CrossBoundary::consistent;  // of three sides
-  check_counts(options, sides.corners.size());
-  const CorneredRim found = cornered(problem.context, problem.rim, sides.corners);
-  check_sides(problem.context, found.rim, found.places);
-  if (!wants_patch(problem)) problem.begin_spline();
-  Fill fill = unless_given_up(problem, fill_with_polygon(problem.context.mesh, problem.context.left, found.rim, found.places,
-                                                         options, laid_out, problem.context.planes, estimated));
-  if (sides.corners.size() == 2 && is_beside_sharp(fill) && !wants_patch(problem))
+/// laid_out: also if it folds.
+Fill make_polygon(FillProblem& problem, bool laid_out) {
+  const PolygonInput& input = std::get<PolygonInput>(input_of(problem));
+  Fill fill = unless_given_up(
+      problem, fill_with_polygon(problem.context.mesh, problem.context.left, input, options_of_patch(problem), laid_out));
+  if (input.corners.size() == 2 && is_beside_sharp(fill) && !wants_patch(problem))
     throw CodedRefusal(Code::two_sides_tell_less, problem.loop);
   return fill;
 }
 
-Fill make_disc(FillProblem& problem, const SideContinuity* continuity, const PlanesEstimated& estimated = {}) {
-  FillOptions options = problem.sides().options;
-  options.cross_boundary = CrossBoundary::consistent;  // of three sides
+Fill make_disc(FillProblem& problem, const SideContinuity* continuity) {
+  FillOptions options = options_of_patch(problem);
   if (continuity) options.continuity = *continuity;
-  check_counts(options, 1);
-  check_positions(problem.context.mesh, problem.context.left, problem.loop);
   PolygonFill made =
-      fill_round(problem.context.mesh, problem.context.left, problem.loop, options, false, problem.context.planes, estimated);
+      fill_round(problem.context.mesh, problem.context.left, std::get<DiscInput>(input_of(problem)), options, false);
   problem.is_of_revolution = made.of_revolution;
   return unless_given_up(problem, std::move(made));
 }
 
-Fill make_patch(FillProblem& problem, const TriedFills& tried) {
-  const Domain domain = problem.sides().domain;
-  const PlanesEstimated estimated = [&](double degrees) { weigh(problem, tried, degrees); };
-  Fill fill = domain == Domain::triangle ? make_triangle(problem, estimated)
-              : domain == Domain::disc   ? make_disc(problem, nullptr, estimated)
-                                         : make_polygon(problem, false, estimated);
+Fill make_patch(FillProblem& problem, const TriedFills&) {
+  const PatchInput& input = input_of(problem);
+  const auto* const three = std::get_if<TriangleInput>(&input);
+  Fill fill = three                                      ? fill_with_patch(problem.context, *three, options_of_patch(problem))
+              : std::holds_alternative<DiscInput>(input) ? make_disc(problem, nullptr)
+                                                         : make_polygon(problem, false);
   const bool revolved = problem.is_of_revolution && problem.options.cap == Cap::automatic;
   fill.report.method_reason = revolved ? round_of_revolution : problem.sides().reason;
   return fill;

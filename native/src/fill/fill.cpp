@@ -110,6 +110,18 @@ void check_options(const FillOptions& options) {
                         {{"name", "resolution"}, {"from", 0}, {"to", max_rows}, {"value", *options.resolution}});
 }
 
+Fill polygon_fill(const FillContext& context, const std::vector<Index>& rim, const std::vector<Index>& corners,
+                  const FillOptions& options) {
+  const CorneredRim found = cornered(context, rim, corners);
+  const PolygonInput input = polygon_input(context.mesh, context.left, found.rim, found.places, options, context.planes);
+  return fill_with_polygon(context.mesh, context.left, input, options).fill;
+}
+
+Fill round_fill(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options) {
+  const DiscInput input = disc_input(context.mesh, context.left, rim, options, context.planes);
+  return fill_round(context.mesh, context.left, input, options).fill;
+}
+
 /// The patch over a polygon or a disc, requested, or that of three sides which meets points inside; nothing where the rim has three sides
 /// and no such points. Corners that are not given are detected.
 std::optional<Fill> fill_with_many_sides(const FillContext& context, const std::optional<std::vector<Index>>& rim,
@@ -129,10 +141,9 @@ std::optional<Fill> fill_with_many_sides(const FillContext& context, const std::
   Fill fill;
   if (given.empty()) {
     check_positions(context.mesh, context.left, loop);
-    fill = std::move(fill_round(context.mesh, context.left, loop, options, true, context.planes).fill);
+    fill = round_fill(context, loop, options);
   } else {
-    const CorneredRim found = cornered(context, loop, given);
-    fill = std::move(fill_with_polygon(context.mesh, context.left, found.rim, found.places, options, true, context.planes).fill);
+    fill = polygon_fill(context, loop, given, options);
   }
   fill.report.method_reason =
       options.method == polygon_method ? "it was requested" : "a patch over a polygon meets the points inside";
@@ -180,14 +191,13 @@ Fill patch_as_asked(const FillContext& context, const Fill& chosen, FillOptions 
   Fill made;
   if (corners.empty()) {
     if (is_continuity_open(options) && chosen.report.continuity[0] == SeamContinuity::g1) options.continuity = SideContinuity::g1;
-    made = std::move(fill_round(context.mesh, context.left, chosen.rim, unshaped(options), true, context.planes).fill);
+    made = round_fill(context, chosen.rim, unshaped(options));
     shape(context.mesh, context.left, {}, options, made);
   } else if (chosen.report.method != polygon_method) {
-    made = fill_with_patch(context, hole_of(context, chosen.rim, corners), options);
+    made = fill_with_patch(context, triangle_input(context, hole_of(context, chosen.rim, corners), options), options);
   } else {
     options.cross_boundary = CrossBoundary::consistent;  // of three sides
-    const CorneredRim found = cornered(context, chosen.rim, corners);
-    made = std::move(fill_with_polygon(context.mesh, context.left, found.rim, found.places, options, true, context.planes).fill);
+    made = polygon_fill(context, chosen.rim, corners, options);
   }
   made.report.method_reason = chosen.report.method_reason;
   if (flat && std::ranges::count(chosen.report.warnings, Code::flat_all_around, &Message::code) > 0)
@@ -250,7 +260,7 @@ Fill fill_as_asked(const FillContext& context, const std::optional<std::vector<I
     check_three(options, corners);
     if (of_mesh && (options.method == polygon_method || !options.through.empty()))
       if (std::optional<Fill> fill = fill_with_many_sides(context, rim, corners, options)) return std::move(*fill);
-    return fill_with_patch(context, hole_of(context, rim, corners), options);
+    return fill_with_patch(context, triangle_input(context, hole_of(context, rim, corners), options), options);
   }
   const std::vector<Index> loop = rim                            ? *rim
                                   : corners && !corners->empty() ? loop_through(context, *corners)

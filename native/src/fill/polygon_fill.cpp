@@ -166,23 +166,6 @@ std::vector<RimCorner> rim_corners(const Mesh& mesh, const Connectivity& around,
   return wanted;
 }
 
-/// The derivative across turned at a right angle to the side at the rim's vertices, within the tangent planes. As read it leans towards
-/// the corners of a triangle.
-Side upright(Side side) {
-  const std::vector<double>& t = side.rim;
-  std::vector<double> lean, bend;
-  for (double at : t) {
-    const SideForm form = side_form(side, at);
-    const double b = form.r.dot(form.dc) / form.dc.squaredNorm();
-    lean.push_back(b);
-    const Vec3 q = (form.rr - 2 * b * form.rc + b * b * form.cc) * form.n;
-    bend.insert(bend.end(), q.data(), q.data() + 3);
-  }
-  side.r = side.r - PiecewisePolynomial::spline(t, lean, 1) * side.c.derivative();
-  if (!side.q.empty()) side.q = PiecewisePolynomial::spline(t, bend, 3);
-  return side;
-}
-
 /// Vertices, normals and faces of a fill that has its rim and its patch, in a mesh of so many vertices.
 void deliver(const PlaneCover& cover, Index vertices, Fill& fill) {
   std::vector<Index> index(cover.uv.rows()), rows;  // of the mesh; rows that become new vertices, that of a split edge first
@@ -229,67 +212,7 @@ void complete(const Mesh& mesh, const Connectivity& around, double surroundings_
   result.gave_up = faired.gave_up;
 }
 
-/// Sides that are read together as those of a hole of three corners, which begins at a corner of the polygon.
-struct ReadTogether {
-  Index corner;
-  std::vector<std::array<Index, 2>> sides;  // of the hole, of the polygon
-};
-
-/// By twos around the polygon from where its geometry begins it: however it is given, the same are read together.
-std::vector<ReadTogether> read_together(Index n, const CanonicalStart& begin, Index corner) {
-  std::vector<ReadTogether> out;
-  const auto at = [&](Index k) { return (corner + k + 2 * n) % n; };
-  if (n == 2) return {{0, {{2, 0}}}, {1, {{2, 1}}}};
-  for (Index k = 0; k < n; k += 2) {
-    const bool both = k + 1 < n;
-    if (!begin.backwards) {
-      out.push_back({at(k), {{2, at(k)}}});
-      if (both) out.back().sides.push_back({0, at(k + 1)});
-    } else {
-      out.push_back({at(-k - 2), {{0, at(-k - 1)}}});
-      if (both) out.back().sides.push_back({2, at(-k - 2)});
-    }
-  }
-  return out;
-}
-
 }  // namespace
-
-MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                         const std::vector<Index>& corners, const std::vector<bool>& alone, const VertexPlanes& planes) {
-  const Index n = static_cast<Index>(corners.size()), edges = static_cast<Index>(rim.size());
-  MeshPolygon out;
-  out.sides.resize(n);
-  out.parameters.resize(n);
-  CanonicalStarts beginnings(mesh.vertices(rim, Eigen::all), {}, corners);
-  beginnings.compare_along();
-  const CanonicalStart begin = beginnings.left()[0];
-  const Index first = std::find(corners.begin(), corners.end(), begin.place) - corners.begin();
-  double squares = 0, counted = 0;  // of the errors of the sides, by their vertices
-  for (const ReadTogether& together : read_together(n, begin, first)) {
-    // a hole of three corners: k, the next and the one after it, of which the third side is read for its beginning and end only; of a
-    // lens the third corner is in the middle of the other side
-    Hole hole;
-    const Index k = together.corner, start = corners[k], second = (corners[(k + 1) % n] - start + edges) % edges;
-    Index third = (corners[(k + 2) % n] - start + edges) % edges;
-    if (n == 2) third = (second + edges + (begin.backwards ? 1 : 0)) / 2;
-    if (third == second || third == edges) throw CodedRefusal(Code::side_too_short, {rim[start]});
-    for (Index j = 0; j < edges; ++j) hole.rim.push_back(rim[(start + j) % edges]);
-    hole.corners = {0, second, third};
-    if (!alone.empty())
-      hole.alone = {alone[(k + 1) % n], alone[n == 2 ? 1 - k : (k + 2) % n] || alone[(k + n - 1) % n], alone[k]};
-    MeshSides three = mesh_sides(mesh, around, hole, planes);
-    for (const auto& [i, side] : together.sides) {
-      const double vertices = static_cast<double>(three.parameters[i].size());
-      squares += vertices * std::pow(three.side_error[i], 2);
-      counted += alone.empty() || !alone[side] ? vertices : 0;
-      out.sides[side] = upright(std::move(three.sides[i]));
-      out.parameters[side] = std::move(three.parameters[i]);
-    }
-  }
-  out.surroundings_error = counted > 0 ? std::sqrt(squares / counted) : 0;
-  return out;
-}
 
 LayoutOptions layout_options(const FillOptions& options) {
   return {options.resolution, options.tolerance, options.odd == Odd::split, options.pole_offset};
@@ -388,14 +311,13 @@ void report_patch(const RoundPatch& made, Report& report) {
 
 namespace {
 
-/// Between three sides: the triangle's own patch, with the points that it meets inside. three: as of
-/// triangles, where side 2 begins at corner 0.
-PolygonPatch patch_of_three(const Sides& three, const SideTerms& terms, const FillOptions& options) {
+/// Between three sides: the triangle's own patch, with the points that it meets inside.
+PolygonPatch patch_of_three(const SideList& sides, const SideTerms& terms, const FillOptions& options) {
   FillOptions own = options;
   own.method = patch_method;
   own.through.clear();
   own.continuity = BySide<SideContinuity>({terms.continuity[1], terms.continuity[2], terms.continuity[0]});
-  MadePatch made = patch_from_sides(three, own);
+  MadePatch made = patch_from_sides(Sides{sides[1], sides[2], sides[0]}, own);  // side 2 of a triangle begins at corner 0
   PolygonPatch out;
   out.patch = made.patch;
   out.fairing = made.report.fairing;
@@ -406,47 +328,31 @@ PolygonPatch patch_of_three(const Sides& three, const SideTerms& terms, const Fi
   out.warnings = std::move(made.report.warnings);
   const std::vector<SeamContinuity>& continuity = made.report.continuity;
   out.continuity = {continuity[2], continuity[0], continuity[1]};
-  complete_patch({three[2], three[0], three[1]}, options.through, out);
+  complete_patch(sides, options.through, out);
   return out;
-}
-
-/// What surrounds a rim of three corners, in the order of polygons, and the patch.
-std::pair<MeshPolygon, PolygonPatch> read_three(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                                                const std::vector<Index>& corners, const SideTerms& terms,
-                                                const FillOptions& options, const VertexPlanes& planes) {
-  Hole hole;
-  hole.rim = rim;
-  hole.corners = {corners[0], corners[1], corners[2]};
-  hole.alone = {terms.alone[1], terms.alone[2], terms.alone[0]};
-  MeshSides sides = mesh_sides(mesh, around, hole, planes);
-  MeshPolygon known;
-  known.surroundings_error = sides.surroundings_error;
-  for (const int i : {2, 0, 1}) {
-    known.sides.push_back(sides.sides[i]);
-    known.parameters.push_back(sides.parameters[i]);
-  }
-  return {std::move(known), patch_of_three(sides.sides, terms, options)};
 }
 
 }  // namespace
 
-PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                              const std::vector<Index>& corners, const FillOptions& options, bool folded_too,
-                              const VertexPlanes& planes, const PlanesEstimated& estimated) {
+PolygonInput polygon_input(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                           const std::vector<Index>& corners, const FillOptions& options, const VertexPlanes& planes) {
+  PolygonInput out;
+  out.rim = rim;
+  out.corners = corners;
+  out.angles = sharp_sides(mesh, around, rim, corners);
+  out.terms = terms_of_sides(BySide<SideContinuity>(from_first_corner(options.continuity.values())), out.angles);
+  out.known = polygon_sides(mesh, around, rim, corners, out.terms.alone, planes);
+  if (std::ranges::count(out.terms.alone, true) == 0) out.planes_error = out.known.surroundings_error;
+  return out;
+}
+
+PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const PolygonInput& input, const FillOptions& options,
+                              bool folded_too) {
+  const auto& [rim, corners, angles, terms, known, planes_error] = input;
   PolygonPatchOptions own = polygon_options(options);
-  std::vector<double> angles = sharp_sides(mesh, around, rim, corners);
-  SideTerms terms = terms_of_sides(BySide<SideContinuity>(from_first_corner(options.continuity.values())), angles);
   own.continuity = terms.continuity;
   own.bulge = from_first_corner(std::move(own.bulge));
-  MeshPolygon known;
-  PolygonPatch made;
-  if (corners.size() == 3) {
-    std::tie(known, made) = read_three(mesh, around, rim, corners, terms, options, planes);
-  } else {
-    known = mesh_polygon(mesh, around, rim, corners, terms.alone, planes);
-    if (estimated && std::ranges::count(terms.alone, true) == 0) estimated(known.surroundings_error);
-    made = polygon_patch(known.sides, own);
-  }
+  PolygonPatch made = corners.size() == 3 ? patch_of_three(known.sides, terms, options) : polygon_patch(known.sides, own);
   PolygonFill result;
   Fill& fill = result.fill;
   const Index r = static_cast<Index>(rim.size()), n = mesh.vertices.rows();
@@ -486,21 +392,27 @@ namespace {
 /// Of waves round a rim: so many as it has edges, but no more than these.
 constexpr int max_waves = 48;
 
+int waves_of(const std::vector<Index>& rim) { return std::min(static_cast<int>(rim.size()), max_waves); }
+
 }  // namespace
 
-PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options,
-                       bool folded_too, const VertexPlanes& planes, const PlanesEstimated& estimated) {
-  const Index r = static_cast<Index>(rim.size());
-  if (r < min_round) throw CodedRefusal(Code::round_rim_too_short, rim);
+DiscInput disc_input(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options,
+                     const VertexPlanes& planes) {
+  if (static_cast<Index>(rim.size()) < min_round) throw CodedRefusal(Code::round_rim_too_short, rim);
   const auto [first, backwards] = beginning_of_closed(mesh, around, rim);
   std::vector<Index> own = rim;
   std::rotate(own.begin(), own.begin() + first, own.end());
-  const ClosedSide known = closed_side(mesh, around, own, backwards, planes);
+  DiscInput out{rim, first, closed_side(mesh, around, own, backwards, planes)};
+  if (!is_of_revolution(out.known.side, polygon_options(options), waves_of(rim))) out.planes_error = out.known.surroundings_error;
+  return out;
+}
+
+PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const DiscInput& input, const FillOptions& options,
+                       bool folded_too) {
+  const auto& [rim, first, known, planes_error] = input;
+  const Index r = static_cast<Index>(rim.size());
   const double begin = known.t[(r - first) % r];  // of the rim as it is given
-  const PolygonPatchOptions own_options = polygon_options(options);
-  const int order = static_cast<int>(std::min<Index>(r, max_waves));
-  if (estimated && !is_of_revolution(known.side, own_options, order)) estimated(known.surroundings_error);
-  const RoundPatch as_known = round_patch(known.side, own_options, order);
+  const RoundPatch as_known = round_patch(known.side, polygon_options(options), waves_of(rim));
   const RoundPatch made = begun_at(as_known, begin);
   PolygonFill result;
   Fill& fill = result.fill;

@@ -95,8 +95,6 @@ TriedFills try_all(FillProblem& problem, std::span<const Strategy> strategies, d
         now.row.status = CandidateStatus::made;
         now.row.quality = judged(problem, *now.fill);
       }
-    } catch (const LessAccurate& less) {
-      now.row.why = "cannot be more accurate than " + less.than;
     } catch (const CodedRefusal& refusal) {
       now.row.status = CandidateStatus::refused;
       now.row.why = refusal.what();

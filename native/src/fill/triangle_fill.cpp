@@ -112,22 +112,29 @@ bool may_follow_points(const FillOptions& options) {
 
 }  // namespace
 
-Fill fill_with_patch(const FillContext& context, Hole hole, const FillOptions& options, const PlanesEstimated& estimated) {
+TriangleInput triangle_input(const FillContext& context, Hole hole, const FillOptions& options) {
   check_counts(options, 3);
-  const Mesh& mesh = context.mesh;
+  TriangleInput out;
   const std::string method = options.method == automatic_method ? patch_method : options.method;
   const bool looks_for_sharp =
       options.surroundings == SurroundingsFrom::mesh && find_method(method).continuity != SeamContinuity::g0;
-  std::vector<double> angles = looks_for_sharp ? sharp_sides_of(context, hole) : std::vector<double>(3, 0.0);
-  SideTerms terms = terms_of_sides(options.continuity, angles);
+  out.angles = looks_for_sharp ? sharp_sides_of(context, hole) : std::vector<double>(3, 0.0);
+  SideTerms terms = terms_of_sides(options.continuity, out.angles);
   std::copy(terms.alone.begin(), terms.alone.end(), hole.alone.begin());
-  FillOptions own = options;
-  own.continuity = BySide<SideContinuity>(std::move(terms.continuity));
-  const Surroundings surroundings =
-      surroundings_of(mesh, context.whole(), context.left, hole,
+  out.continuity = std::move(terms.continuity);
+  out.surroundings =
+      surroundings_of(context.mesh, context.whole(), context.left, hole,
                       options.surroundings == SurroundingsFrom::limit ? &options.subdivision : nullptr, context.planes);
-  if (estimated && std::ranges::count(hole.alone, true) == 0) estimated(surroundings.error);
+  if (std::ranges::count(hole.alone, true) == 0) out.planes_error = out.surroundings.error;
+  out.hole = std::move(hole);
+  return out;
+}
 
+Fill fill_with_patch(const FillContext& context, const TriangleInput& input, const FillOptions& options) {
+  const auto& [hole, angles, continuity, surroundings, planes_error] = input;
+  const Mesh& mesh = context.mesh;
+  FillOptions own = options;
+  own.continuity = BySide<SideContinuity>(continuity);
   MadePatch made = patch_without_folds(surroundings.sides, own);
   if (made.report.folds > 0 && may_follow_points(options))
     if (std::optional<Fill> other = fill_over_points(context, hole, options, surroundings)) return std::move(*other);

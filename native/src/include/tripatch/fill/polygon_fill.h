@@ -1,10 +1,12 @@
 // The path of n sides: what surrounds a hole between its corners, the patch over a polygon between them, and faces on it.
 #pragma once
 
-#include <functional>
 #include <vector>
 
+#include "tripatch/annulus/closed_side.h"
+#include "tripatch/boundary/polygon_sides.h"
 #include "tripatch/boundary/vertex_planes.h"
+#include "tripatch/hole/sharp_sides.h"
 #include "tripatch/mesh/connectivity.h"
 #include "tripatch/options.h"
 #include "tripatch/output/fill_result.h"
@@ -15,18 +17,6 @@
 namespace tripatch {
 
 struct LayoutOptions;
-
-/// The sides of a hole in a mesh as estimated from the faces around it, three corners at a time.
-struct MeshPolygon {
-  SideList sides;
-  std::vector<std::vector<double>> parameters;  ///< of the rim's vertices on each side
-  double surroundings_error = 0;                ///< degrees
-};
-
-/// rim: from corner 0 on, in the direction of new faces; corners: places in it, increasing, the first 0, two or more. alone: by side, or
-/// none: as of Hole. Takes time by the hole.
-MeshPolygon mesh_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                         const std::vector<Index>& corners, const std::vector<bool>& alone = {}, const VertexPlanes& planes = {});
 
 /// What of the options concerns layouts of quads.
 LayoutOptions layout_options(const FillOptions& options);
@@ -52,24 +42,41 @@ MadePatch patch_over_polygon(const SideList& sides, const PolygonDomain& domain,
 void report_patch(const PolygonPatch& made, Report& report);
 void report_patch(const RoundPatch& made, Report& report);
 
-/// Called before a patch is made whose sides all have tangent planes, with the error of these in degrees; may throw to have it not made.
-using PlanesEstimated = std::function<void(double degrees)>;
-
 struct PolygonFill {
   Fill fill;
   bool gave_up = false;        ///< no energy serves: another kind of fill may do better
   bool of_revolution = false;  ///< as its surroundings are
 };
+
+/// The sides of a hole between its corners, read for a patch.
+struct PolygonInput {
+  std::vector<Index> rim, corners;  ///< as of polygon_sides
+  std::vector<double> angles;       ///< by side, as of sharp_sides
+  SideTerms terms;
+  PolygonSides known;
+  double planes_error = 0;  ///< degrees; 0: a side meets the mesh in position only
+};
+/// Takes account of the options' continuity.
+PolygonInput polygon_input(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
+                           const std::vector<Index>& corners, const FillOptions& options, const VertexPlanes& planes = {});
 /// folded_too: else a patch that folds has no faces, which take most of the time.
-PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                              const std::vector<Index>& corners, const FillOptions& options, bool folded_too = true,
-                              const VertexPlanes& planes = {}, const PlanesEstimated& estimated = {});
+PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, const PolygonInput& input, const FillOptions& options,
+                              bool folded_too = true);
 
 /// A round rim has at least so many edges.
 constexpr Index min_round = 6;
-/// The patch over a disc whose rim has no corners. rim: in the direction of new faces, min_round edges or more. folded_too: as above. estimated:
-/// not called if the surroundings are of revolution, and the patch with them.
-PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options,
-                       bool folded_too = true, const VertexPlanes& planes = {}, const PlanesEstimated& estimated = {});
+/// The one side of a hole without corners, read for a patch over a disc.
+struct DiscInput {
+  std::vector<Index> rim;
+  Index first = 0;  ///< the place of the rim's vertex that the side begins at
+  ClosedSide known;
+  double planes_error = 0;  ///< degrees; 0: the surroundings are of revolution, and the patch with them
+};
+/// rim: in the direction of new faces, min_round edges or more.
+DiscInput disc_input(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, const FillOptions& options,
+                     const VertexPlanes& planes = {});
+/// folded_too: as above.
+PolygonFill fill_round(const Mesh& mesh, const Connectivity& around, const DiscInput& input, const FillOptions& options,
+                       bool folded_too = true);
 
 }  // namespace tripatch

@@ -34,11 +34,6 @@ using TriedFills = std::vector<Tried>;
 /// The best of those that are made, of equal ones the first; null: none is.
 const Tried* best_of(const TriedFills& tried);
 
-/// Thrown while a candidate is made that cannot be more accurate than another one, by the method of that.
-struct LessAccurate {
-  std::string than;
-};
-
 /// Facts of a hole and the options of its fill.
 struct FillProblem;
 
@@ -47,7 +42,7 @@ struct Strategy {
   const char* method;
   /// Why it is not tried; empty: it is.
   std::string (*skips)(FillProblem&, const TriedFills& tried);
-  /// May throw a CodedRefusal, or LessAccurate.
+  /// May throw a CodedRefusal.
   Fill (*make)(FillProblem&, const TriedFills& tried);
 };
 
