@@ -43,6 +43,36 @@ constexpr double on_crease = 0.05;
 
 EdgeKey edge_key(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
 
+/// A line through points, linear between them, and their deviations.
+class Polyline {
+public:
+  explicit Polyline(const WallCrease& crease) : crease_(crease), along_(crease.points.rows()) {
+    along_[0] = 0;
+    for (Index k = 1; k < along_.size(); ++k)
+      along_[k] = along_[k - 1] + (crease.points.row(k) - crease.points.row(k - 1)).norm();
+  }
+  double length() const { return along_[along_.size() - 1]; }
+  Points at(const Eigen::VectorXd& shares) const { return mixed(shares, crease_.points); }
+  Eigen::VectorXd deviation(const Eigen::VectorXd& shares) const { return mixed(shares, crease_.deviation); }
+
+private:
+  template <class Rows>
+  Rows mixed(const Eigen::VectorXd& shares, const Rows& rows) const {
+    Rows out(shares.size(), rows.cols());
+    for (Index k = 0; k < shares.size(); ++k) {
+      const double place = shares[k] * length();
+      Index j = 1;
+      while (j + 1 < along_.size() && along_[j] < place) ++j;
+      const double t = (place - along_[j - 1]) / std::max(along_[j] - along_[j - 1], 1e-300);
+      out.row(k) = (1 - t) * rows.row(j - 1) + t * rows.row(j);
+    }
+    return out;
+  }
+
+  const WallCrease& crease_;
+  Eigen::VectorXd along_;
+};
+
 /// The creases in the hole and the loops around the parts between them. New points are numbered after the mesh's vertices.
 class Division {
 public:
@@ -87,7 +117,8 @@ private:
   }
 
   /// New points of a curve between two rows, spaced from the size at one end to that at the other. At least `least` edges.
-  VertexLoop points_along(Index from, Index to, const CreaseCurve& curve, double before, double after, Index least) {
+  template <class Curve>
+  VertexLoop points_along(Index from, Index to, const Curve& curve, double before, double after, Index least) {
     // edges of linearly growing length: their number is the integral of 1 / size
     const double ratio = after / before;
     const double edges = curve.length() / before * (std::abs(ratio - 1) < one_size ? 1 : std::log(ratio) / (ratio - 1));
@@ -167,21 +198,23 @@ private:
     }
   }
 
-  /// Walls that meet along straight creases.
+  /// Walls that meet along creases.
   void join(const FlatWalls& walls) {
     const Index r = static_cast<Index>(rim_.size());
-    double sum = 0, ends = 0;  // sizes of edges at the rim
-    for (const EdgeKey& crease : walls.creases)
-      for (const Index corner : crease)
-        if (corner < r) sum += size(corner), ++ends;
-    const double mean = ends > 0 ? sum / ends : around_ / static_cast<double>(r);
+    double sum = 0, count = 0;  // of sizes of edges at the rim
+    for (const auto& [ends, crease] : walls.creases)
+      for (const Index corner : ends)
+        if (corner < r) sum += size(corner), ++count;
+    const double mean = count > 0 ? sum / count : around_ / static_cast<double>(r);
     VertexLoop nodes;
-    for (const Vec3& node : walls.nodes) nodes.push_back(add(node, 0));
+    for (std::size_t k = 0; k < walls.nodes.size(); ++k) nodes.push_back(add(walls.nodes[k], walls.deviation[k]));
     const auto vertex = [&](Index corner) { return corner < r ? rim_[corner] : nodes[corner - r]; };
     std::map<EdgeKey, VertexLoop> creases;
-    for (const auto& [from, to] : walls.creases) {
+    for (const auto& [ends, crease] : walls.creases) {
+      const auto [from, to] = ends;
       const Index least = from < r && to < r && !(even_ > 0 && !clearly_less(even_ * 3, around_)) ? 2 : 1;
-      creases[{from, to}] = straight(vertex(from), vertex(to), from < r ? size(from) : mean, to < r ? size(to) : mean, least);
+      creases[ends] =
+          points_along(vertex(from), vertex(to), Polyline(crease), from < r ? size(from) : mean, to < r ? size(to) : mean, least);
     }
     loops_.clear();
     for (const std::vector<Index>& part : walls.parts) {
@@ -194,15 +227,6 @@ private:
         loops_.back().insert(loops_.back().end(), way.begin(), way.end() - 1);
       }
     }
-  }
-
-  /// New points of a straight crease between two rows.
-  VertexLoop straight(Index from, Index to, double before, double after, Index least) {
-    const Vec3 a = point(from), b = point(to);
-    Points start(2, 3), end(1, 3);
-    start << (2 * a - b).transpose(), a.transpose();
-    end << b.transpose();
-    return points_along(from, to, CreaseCurve(start, end, (before + after) / 2), before, after, least);
   }
 
   const Mesh& mesh_;

@@ -371,8 +371,9 @@ Features find_features(const Mesh& mesh, const Connectivity& around, const std::
   const EdgeAngles angles(mesh, around, features.vertices);
   const CreaseFinder finder(mesh, around, rim, angles, across);
   features.creases = finder.creases(finder.ends());
-  features.walls = flat_walls(mesh, around, rim, across, features.vertices);
-  if (!features.creases.empty()) features.barred = angles.all_sharp();
+  const std::vector<EdgePair> sharp = angles.all_sharp();
+  features.walls = flat_walls(mesh, around, rim, across, features.vertices, &sharp);
+  if (!features.creases.empty()) features.barred = sharp;
   return features;
 }
 

@@ -47,49 +47,25 @@ class WallFinder {
 public:
   /// Faces of walls are sought at the vertices `near`, sorted.
   WallFinder(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across,
-             const std::vector<Index>& near)
+             const std::vector<Index>& near, const std::vector<std::array<Index, 2>>* sharp)
       : mesh_(mesh),
         around_(around),
         rim_(rim),
         near_(near),
+        sharp_(sharp),
         n_(static_cast<Index>(rim.size())),
-        across_(across),
-        within_(in_plane * across) {}
+        across_(across) {}
 
-  /// Those that are seen, where they meet; else as few as will do, with others that are lost; else with one that seems whole.
+  /// Planes, or else smooth pieces.
   std::optional<FlatWalls> walls() {
-    if (const WallPlane flat = plane_of_rim(); contains(flat, rim_)) return wall_of(flat);
-    if (!read_planes()) return {};
-    const Points points = mesh_.vertices(rim_, Eigen::all);
-    const auto meeting = [&](int whole) { return least_meeting(planes_, points, walls_of_edges(whole), across_); };
-    std::optional<WallMeeting> best = meeting(0);
-    const std::vector<WallPlane> unseen = best ? std::vector<WallPlane>() : unseen_planes();
-    for (std::size_t lost = 1; lost <= std::min(max_lost, unseen.size()); ++lost) {
-      const std::size_t fewest = best ? best->runs : std::numeric_limits<std::size_t>::max();
-      std::vector<char> taken(unseen.size(), 0);
-      std::fill(taken.begin(), taken.begin() + lost, 1);
-      do {
-        planes_.resize(seen_);
-        for (std::size_t k = 0; k < unseen.size(); ++k)
-          if (taken[k]) planes_.push_back(unseen[k]);
-        std::optional<WallMeeting> found = meeting(0);
-        const auto rank = [](const WallMeeting& m) { return std::pair(m.runs, m.area); };
-        if (found && found->runs < fewest && (!best || rank(*found) < rank(*best))) best = std::move(found);
-      } while (std::prev_permutation(taken.begin(), taken.end()));
-    }
-    planes_.resize(seen_);
-    if (!best) best = meeting(max_whole);
-    if (!best) return {};
-    FlatWalls walls{best->nodes, best->parts, best->creases, {}};
-    const std::vector<Index> near = near_faces();
-    for (const std::size_t p : best->wall)
-      walls.faces.push_back(p < seen_ ? in_plane_of(planes_[p], near) : std::vector<Index>());
-    return walls;
+    if (const Wall flat = plane_of_rim(); contains(flat, rim_)) return wall_of(flat);
+    std::optional<FlatWalls> found = read_planes() ? meeting_walls() : std::nullopt;
+    return found || !read_pieces() ? found : meeting_walls();
   }
 
   /// walls_end_at_flat_rim.
   bool walls_end() const {
-    const WallPlane flat = plane_of_rim();
+    const Wall flat = plane_of_rim();
     if (n_ < 4 || !contains(flat, rim_)) return false;
     std::vector<Vec3> normal;
     Index least = 0, clear = 0, under = 0, upright = 0;
@@ -98,7 +74,7 @@ public:
       if (!corner) return false;
       normal.push_back(area_vector(mesh_, around_.face(*corner)));
       if (normal.back().isZero(0)) return false;
-      const double angle = angle_between(normal.back(), flat.normal);
+      const double angle = angle_between(normal.back(), flat.normal());
       if (angle < min_crease_angle) return false;
       least += angle > min_end_angle;
       clear += angle > clear_end_angle;
@@ -122,6 +98,36 @@ public:
   }
 
 private:
+  /// Those that are seen, where they meet; else as few as will do, with others that are lost; else with one that seems whole.
+  std::optional<FlatWalls> meeting_walls() {
+    const Points points = mesh_.vertices(rim_, Eigen::all);
+    const auto meeting = [&](int whole) { return least_meeting(planes_, points, walls_of_edges(whole), across_); };
+    std::optional<WallMeeting> best = meeting(0);
+    const std::vector<Wall> unseen = best || !all_flat() ? std::vector<Wall>() : unseen_planes();
+    for (std::size_t lost = 1; lost <= std::min(max_lost, unseen.size()); ++lost) {
+      const std::size_t fewest = best ? best->runs : std::numeric_limits<std::size_t>::max();
+      std::vector<char> taken(unseen.size(), 0);
+      std::fill(taken.begin(), taken.begin() + lost, 1);
+      do {
+        planes_.erase(planes_.begin() + static_cast<std::ptrdiff_t>(seen_), planes_.end());
+        for (std::size_t k = 0; k < unseen.size(); ++k)
+          if (taken[k]) planes_.push_back(unseen[k]);
+        std::optional<WallMeeting> found = meeting(0);
+        const auto rank = [](const WallMeeting& m) { return std::pair(m.runs, m.area); };
+        if (found && found->runs < fewest && (!best || rank(*found) < rank(*best))) best = std::move(found);
+      } while (std::prev_permutation(taken.begin(), taken.end()));
+    }
+    planes_.erase(planes_.begin() + static_cast<std::ptrdiff_t>(seen_), planes_.end());
+    if (!best) best = meeting(max_whole);
+    if (!best) return {};
+    FlatWalls walls{
+        std::move(best->nodes), std::move(best->deviation), std::move(best->parts), std::move(best->creases), {}, all_flat()};
+    const std::vector<Index> near = near_faces();
+    for (const std::size_t p : best->wall)
+      walls.faces.push_back(p < seen_ ? faces_of_wall(planes_[p], near) : std::vector<Index>());
+    return walls;
+  }
+
   /// Whether the faces at the rim go straight on away from it, or end at sharp edges there.
   bool are_straight() const {
     const auto on_rim = [&](Index v) { return std::ranges::find(rim_, v) != rim_.end(); };
@@ -149,29 +155,26 @@ private:
 
   Vec3 point(Index v) const { return mesh_.vertices.row(v); }
   Vec3 at(Index place) const { return point(rim_[place % n_]); }
-  bool contains(const WallPlane& plane, const Vec3& p) const { return std::abs(plane.distance(p)) < within_; }
+  bool contains(const Wall& plane, const Vec3& p) const { return std::abs(plane.distance(p)) < plane.within(); }
   template <class Vertices>
-  bool contains(const WallPlane& plane, const Vertices& vertices) const {
+  bool contains(const Wall& plane, const Vertices& vertices) const {
     return std::all_of(vertices.begin(), vertices.end(), [&](Index v) { return contains(plane, point(v)); });
   }
 
-  bool lies_in(Index face, const WallPlane& plane) const {
-    return area_vector(mesh_, face).dot(plane.normal) > 0 && contains(plane, mesh_.faces[face]);
+  bool lies_in(Index face, const Wall& wall) const {
+    if (!wall.is_flat()) return std::ranges::binary_search(wall.faces(), face);
+    return area_vector(mesh_, face).dot(wall.normal()) > 0 && contains(wall, mesh_.faces[face]);
   }
+  bool all_flat() const { return std::ranges::all_of(planes_, &Wall::is_flat); }
 
   /// Of the faces next to the rim's edges, the largest first: its plane is known best. False where these are not flat, or too many.
   bool read_planes() {
-    std::vector<Index> faces;
-    for (Index k = 0; k < n_; ++k) {
-      const auto corner = around_.edge(rim_[(k + 1) % n_], rim_[k]);
-      if (!corner) return false;
-      faces.push_back(around_.face(*corner));
-    }
+    const std::vector<Index> faces = faces_at_rim();
     std::vector<Index> order(faces);
     std::ranges::stable_sort(order, std::greater(), [&](Index f) { return coarse(area_vector(mesh_, f).norm()); });
     for (const Index f : order) {
-      if (std::ranges::any_of(planes_, [&](const WallPlane& plane) { return lies_in(f, plane); })) continue;
-      planes_.push_back({area_vector(mesh_, f).stableNormalized(), point(mesh_.faces[f][0])});
+      if (std::ranges::any_of(planes_, [&](const Wall& plane) { return lies_in(f, plane); })) continue;
+      planes_.emplace_back(area_vector(mesh_, f).stableNormalized(), point(mesh_.faces[f][0]), across_);
       if (planes_.size() > max_planes || !lies_in(f, planes_.back())) return false;
     }
     seen_ = planes_.size();
@@ -179,7 +182,7 @@ private:
       std::size_t best = 0;
       double nearest = -1;
       for (std::size_t p = 0; p < seen_; ++p)
-        if (const double along = area_vector(mesh_, f).stableNormalized().dot(planes_[p].normal);
+        if (const double along = area_vector(mesh_, f).stableNormalized().dot(planes_[p].normal());
             lies_in(f, planes_[p]) && clearly_more(along, nearest))
           nearest = along, best = p;
       beside_.push_back(best);
@@ -187,52 +190,112 @@ private:
     return seen_ > 1;
   }
 
+  /// Next to each edge; empty where one is missing.
+  std::vector<Index> faces_at_rim() const {
+    std::vector<Index> faces;
+    for (Index k = 0; k < n_; ++k) {
+      const auto corner = around_.edge(rim_[(k + 1) % n_], rim_[k]);
+      if (!corner) return {};
+      faces.push_back(around_.face(*corner));
+    }
+    return faces;
+  }
+
+  /// The smooth pieces between sharp edges of the faces next to the rim, flat or curved. False where one does not tell how it continues, or all are flat.
+  bool read_pieces() {
+    planes_.clear();
+    beside_.clear();
+    if (!sharp_) return false;
+    const Points points = mesh_.vertices(rim_, Eigen::all);
+    Numbering seen(mesh_.faces.size());
+    std::vector<std::size_t> wall;  // of each
+    for (const Index f : faces_at_rim()) {
+      if (seen.find(f) < 0) {
+        std::vector<Index> piece = grown(f, seen);
+        wall.resize(seen.size(), wall_of_piece(std::move(piece), points));
+        if (planes_.size() > max_planes || !planes_.back().continues()) return false;
+      }
+      beside_.push_back(wall[static_cast<std::size_t>(seen.find(f))]);
+    }
+    seen_ = planes_.size();
+    return seen_ > 1 && !all_flat();
+  }
+
+  /// The faces near a face that edges which are not sharp connect with it.
+  std::vector<Index> grown(Index face, Numbering& seen) const {
+    std::vector<Index> piece = {face};
+    seen.add(face);
+    for (std::size_t next = 0; next < piece.size(); ++next) {
+      const std::span<const Index> corners = mesh_.faces[piece[next]];
+      for (std::size_t k = 0; k < corners.size(); ++k) {
+        const Index a = corners[k], b = corners[(k + 1) % corners.size()];
+        if (std::ranges::binary_search(*sharp_, std::array{std::min(a, b), std::max(a, b)})) continue;
+        const auto beyond = around_.edge(b, a);
+        if (beyond && is_near(around_.face(*beyond)) && seen.add(around_.face(*beyond))) piece.push_back(around_.face(*beyond));
+      }
+    }
+    return piece;
+  }
+
+  /// Its number: of one plane's pieces the same.
+  std::size_t wall_of_piece(std::vector<Index> piece, const Points& rim) {
+    const Index largest = *std::ranges::max_element(piece, {}, [&](Index f) { return coarse(area_vector(mesh_, f).norm()); });
+    const Wall flat(area_vector(mesh_, largest).stableNormalized(), point(mesh_.faces[largest][0]), across_);
+    const auto all_in = [&](const Wall& plane) {
+      return plane.is_flat() && std::ranges::all_of(piece, [&](Index f) { return lies_in(f, plane); });
+    };
+    const auto same = std::ranges::find_if(planes_, all_in);
+    if (same != planes_.end()) return static_cast<std::size_t>(same - planes_.begin());
+    std::ranges::sort(piece);
+    planes_.push_back(all_in(flat) ? flat : Wall(mesh_, std::move(piece), rim, across_));
+    return planes_.size() - 1;
+  }
+
   /// Planes of two edges of the rim that follow each other: of a wall that has no face left. None where they are many.
-  std::vector<WallPlane> unseen_planes() const {
-    std::vector<WallPlane> found;
+  std::vector<Wall> unseen_planes() const {
+    std::vector<Wall> found;
     for (Index k = 0; k < n_; ++k) {
       const Vec3 before = at(k) - at(k + n_ - 1), after = at(k + 1) - at(k), across = before.cross(after);
       if (!(across.norm() > std::sin(min_turn) * before.norm() * after.norm())) continue;
-      const auto holds = [&](const WallPlane& plane) {
+      const auto holds = [&](const Wall& plane) {
         return contains(plane, at(k + n_ - 1)) && contains(plane, at(k)) && contains(plane, at(k + 1));
       };
       if (std::any_of(planes_.begin(), planes_.end(), holds) || std::any_of(found.begin(), found.end(), holds)) continue;
       if (found.size() == max_unseen) return {};
-      found.push_back({across.stableNormalized(), at(k), false});
+      found.emplace_back(across.stableNormalized(), at(k), across_, false);
     }
     return found;
   }
 
   /// As new faces face.
-  WallPlane plane_of_rim() const {
-    WallPlane flat;
+  Wall plane_of_rim() const {
+    Vec3 middle = Vec3::Zero(), normal = Vec3::Zero();
     for (Index k = 0; k < n_; ++k) {
-      flat.point += at(k) / static_cast<double>(n_);
-      flat.normal += (at(k) - at(0)).cross(at(k + 1) - at(0));
+      middle += at(k) / static_cast<double>(n_);
+      normal += (at(k) - at(0)).cross(at(k + 1) - at(0));
     }
-    flat.normal = flat.normal.stableNormalized();
-    return flat;
+    return {normal.stableNormalized(), middle, across_};
   }
 
   /// The one wall in whose plane the rim is, where it continues next to some of it and ends at the rest, or not far from it.
-  std::optional<FlatWalls> wall_of(const WallPlane& flat) const {
+  std::optional<FlatWalls> wall_of(const Wall& flat) const {
     Index goes_on = 0;
     for (Index k = 0; k < n_; ++k) {
       const auto corner = around_.edge(rim_[(k + 1) % n_], rim_[k]);
       if (!corner) return {};
       const Index face = around_.face(*corner);
       const bool same = lies_in(face, flat);
-      if (!same && angle_between(area_vector(mesh_, face), flat.normal) < min_crease_angle) return {};
+      if (!same && angle_between(area_vector(mesh_, face), flat.normal()) < min_crease_angle) return {};
       goes_on += same;
     }
     if (goes_on == 0 || (goes_on == n_ && is_in(flat, flat_rings))) return {};
-    FlatWalls wall{{}, {std::vector<Index>(static_cast<std::size_t>(n_))}, {}, {in_plane_of(flat, near_faces())}};
+    FlatWalls wall{{}, {}, {std::vector<Index>(static_cast<std::size_t>(n_))}, {}, {faces_of_wall(flat, near_faces())}, true};
     std::iota(wall.parts[0].begin(), wall.parts[0].end(), Index{0});
     return wall;
   }
 
   /// Whether all faces in so many rings around the rim lie in a plane.
-  bool is_in(const WallPlane& plane, int rings) const {
+  bool is_in(const Wall& plane, int rings) const {
     Numbering seen(mesh_.vertices.rows());
     for (Index v : rim_) seen.add(v);
     for (std::size_t from = 0; rings > 0; --rings)
@@ -299,7 +362,7 @@ private:
           const Index k = place % n_, last = (k + n_ - 1) % n_;
           if (beside_[k] != own || beside_[last] != own) return 0.0;
           const Vec3 before = at(k) - at(last), after = at(k + 1) - at(k);
-          return std::atan2(before.cross(after).dot(planes_[own].normal), before.dot(after));
+          return std::atan2(before.cross(after).dot(planes_[own].normal_at(at(k))), before.dot(after));
         };
     double turned = 0, most = 0;
     bool is_beside = false;
@@ -315,7 +378,7 @@ private:
 
   /// Whether the crease between two walls that meet at a place of the rim can be seen there.
   bool is_shown(Index place, std::size_t before, std::size_t here) const {
-    const double turn = angle_between(planes_[here].normal, planes_[before].normal);
+    const double turn = angle_between(planes_[here].normal_at(at(place)), planes_[before].normal_at(at(place)));
     if (turn < min_crease_angle || (std::max(here, before) >= seen_ && turn > std::numbers::pi - min_crease_angle)) return false;
     const std::size_t beside = beside_[place], last = beside_[(place + n_ - 1) % n_];
     if (beside == last && beside != here && beside != before) return true;  // a third wall, which has both edges
@@ -338,9 +401,10 @@ private:
     return last == before && beside == here && leaves_before && leaves_here;
   }
 
-  std::vector<Index> in_plane_of(const WallPlane& plane, const std::vector<Index>& faces) const {
+  std::vector<Index> faces_of_wall(const Wall& wall, const std::vector<Index>& near) const {
+    if (!wall.is_flat()) return wall.faces();
     std::vector<Index> out;
-    std::ranges::copy_if(faces, std::back_inserter(out), [&](Index f) { return lies_in(f, plane); });
+    std::ranges::copy_if(near, std::back_inserter(out), [&](Index f) { return lies_in(f, wall); });
     return out;
   }
 
@@ -350,20 +414,20 @@ private:
     for (Index v : near_)
       for (Connectivity::Corner c : around_.at(v)) at_near.add(around_.face(c));
     std::vector<Index> out;
-    for (Index f : at_near.items()) {
-      const auto face = mesh_.faces[f];
-      if (std::all_of(face.begin(), face.end(), [&](Index v) { return std::binary_search(near_.begin(), near_.end(), v); }))
-        out.push_back(f);
-    }
+    std::ranges::copy_if(at_near.items(), std::back_inserter(out), [&](Index f) { return is_near(f); });
     return out;
+  }
+  bool is_near(Index face) const {
+    return std::ranges::all_of(mesh_.faces[face], [&](Index v) { return std::ranges::binary_search(near_, v); });
   }
 
   const Mesh& mesh_;
   const Connectivity& around_;
   const std::vector<Index>&rim_, &near_;
+  const std::vector<std::array<Index, 2>>* sharp_;  // none: walls are flat
   Index n_;
-  double across_, within_;
-  std::vector<WallPlane> planes_;
+  double across_;
+  std::vector<Wall> planes_;
   std::size_t seen_ = 0;             // of these, next to the rim; the normals of the others may be turned over
   std::vector<std::size_t> beside_;  // the plane of the face next to each edge of the rim
 };
@@ -371,12 +435,12 @@ private:
 }  // namespace
 
 std::optional<FlatWalls> flat_walls(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across,
-                                    const std::vector<Index>& near) {
-  return WallFinder(mesh, around, rim, across, near).walls();
+                                    const std::vector<Index>& near, const std::vector<std::array<Index, 2>>* sharp) {
+  return WallFinder(mesh, around, rim, across, near, sharp).walls();
 }
 
 bool walls_end_at_flat_rim(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across) {
-  return WallFinder(mesh, around, rim, across, {}).walls_end();
+  return WallFinder(mesh, around, rim, across, {}, nullptr).walls_end();
 }
 
 }  // namespace tripatch

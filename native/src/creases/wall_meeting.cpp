@@ -17,6 +17,12 @@ namespace {
 constexpr std::size_t max_runs = 9;
 /// Of the hole's diameter, from the nearest vertex of the rim: where walls meet farther off, the fill would leave the hole.
 constexpr double farthest_node = 1;
+/// Of the volume that three unit normals span, or the area of two: less, and it is chance where their curved walls meet.
+constexpr double min_span = 0.02;
+/// Newton's steps to where curved walls meet settle within ten where they meet at all.
+constexpr int newton_steps = 20;
+/// Points along a curved crease: over a quarter of a circle its chords are 1e-4 of the radius off.
+constexpr Index curve_points = 49;
 
 double cross2(const Eigen::RowVector2d& a, const Eigen::RowVector2d& b) { return a[0] * b[1] - a[1] * b[0]; }
 
@@ -43,7 +49,7 @@ bool crosses_its_sides(const PlanePoints& polygon, double within) {
 
 class MeetingSearch {
 public:
-  MeetingSearch(const std::vector<WallPlane>& walls, const Points& rim, const std::vector<std::size_t>& wall, double across)
+  MeetingSearch(const std::vector<Wall>& walls, const Points& rim, const std::vector<std::size_t>& wall, double across)
       : walls_(walls), rim_(rim), wall_(wall), across_(across), within_(in_plane * across), n_(rim.rows()) {
     for (Index k = 0; k < n_; ++k)
       if (wall[k] != wall[(k + n_ - 1) % n_]) first_.push_back(k);
@@ -52,7 +58,7 @@ public:
   std::optional<WallMeeting> least() {
     const std::size_t m = first_.size();
     if (m < 2) return {};
-    const bool all_seen = std::ranges::all_of(wall_, [&](std::size_t w) { return walls_[w].has_faces; });
+    const bool all_seen = std::ranges::all_of(wall_, [&](std::size_t w) { return walls_[w].has_faces(); });
     std::optional<WallMeeting> best;
     for (const Triangles& triangles : all_seen&& m <= max_runs ? triangulations(0, m - 1) : fans()) {
       std::optional<WallMeeting> found = meeting(triangles);
@@ -110,22 +116,85 @@ private:
     return known != corners_.end() ? known->second : corners_.emplace(of, new_corner(of)).first->second;
   }
   std::optional<Index> new_corner(const std::array<std::size_t, 3>& of) {
-    Eigen::Matrix3d normals;
-    Vec3 distance;
-    const Vec3 origin = rim_.row(0);
-    for (int k = 0; k < 3; ++k) {
-      normals.row(k) = walls_[of[k]].normal;
-      distance[k] = walls_[of[k]].distance(origin);
-    }
-    const Vec3 node = origin - Vec3(normals.partialPivLu().solve(distance));
+    const std::optional<Vec3> node = common_point(of);
+    if (!node) return {};
     Index nearest = 0;
-    const double far = (rim_.rowwise() - node.transpose()).rowwise().norm().minCoeff(&nearest);
+    const double far = (rim_.rowwise() - node->transpose()).rowwise().norm().minCoeff(&nearest);
     if (!(far < farthest_node * across_)) return {};
-    if (far < within_) return nearest;
+    const double within = std::max({walls_[of[0]].within(), walls_[of[1]].within(), walls_[of[2]].within()});
+    if (far < within) return nearest;
     for (std::size_t k = 0; k < nodes_.size(); ++k)
-      if ((nodes_[k] - node).norm() < within_) return n_ + static_cast<Index>(k);
-    nodes_.push_back(node);
+      if ((nodes_[k] - *node).norm() < within) return n_ + static_cast<Index>(k);
+    nodes_.push_back(*node);
+    deviation_.push_back(deviation({of.begin(), of.end()}, node->transpose())[0]);
     return n_ + static_cast<Index>(nodes_.size()) - 1;
+  }
+
+  /// By Newton's steps, of which planes need one.
+  std::optional<Vec3> common_point(const std::array<std::size_t, 3>& of) const {
+    const bool flat = std::ranges::all_of(of, [&](std::size_t w) { return walls_[w].is_flat(); });
+    Vec3 node = flat ? Vec3(rim_.row(0)) : Vec3(rim_.colwise().mean().transpose());
+    for (int step = 0; step < newton_steps; ++step) {
+      Eigen::Matrix3d normals;
+      Vec3 distance;
+      for (int k = 0; k < 3; ++k) {
+        const Wall::At at = walls_[of[k]].at(node.transpose());
+        normals.row(k) = at.normal.row(0);
+        distance[k] = at.distance[0];
+      }
+      const Vec3 way = normals.partialPivLu().solve(distance);
+      node -= way;
+      if (flat) return node;
+      if (!(std::abs(normals.determinant()) > min_span) || !(way.norm() < 3 * across_)) return {};
+      if (way.norm() < tie * across_) return node;
+    }
+    return {};
+  }
+
+  /// Points of two walls' crease, from one of its points to another.
+  std::optional<Points> crease(const std::array<std::size_t, 2>& of, const Vec3& from, const Vec3& to) const {
+    const Wall &a = walls_[of[0]], &b = walls_[of[1]];
+    const bool straight = a.is_flat() && b.is_flat();
+    const Index n = straight ? 2 : curve_points;
+    const Eigen::VectorXd t = Eigen::VectorXd::LinSpaced(n, 0, 1);
+    Points points = (1 - t.array()).matrix() * from.transpose() + t * to.transpose();
+    if (straight) return points;
+    const Vec3 along = (to - from).stableNormalized();
+    double longest = across_;
+    for (int step = 0; step < newton_steps && longest > tie * across_; ++step) {
+      const Wall::At one = a.at(points), other = b.at(points);
+      longest = 0;
+      for (Index k = 0; k < n; ++k) {  // at a right angle to the chord
+        Eigen::Matrix<double, 2, 3> slopes;
+        slopes << one.normal.row(k), other.normal.row(k);
+        slopes -= slopes * along * along.transpose();
+        const Eigen::Matrix2d among = slopes * slopes.transpose();
+        if (!(among.determinant() > min_span * min_span)) return {};
+        const Vec3 way = slopes.transpose() * among.inverse() * Vec2(one.distance[k], other.distance[k]);
+        points.row(k) -= way.transpose();
+        longest = std::max(longest, way.norm());
+      }
+      if (!(longest < across_)) return {};
+    }
+    if (!(longest < std::max(a.within(), b.within()))) return {};
+    const Eigen::RowVector3d first = from.transpose() - points.row(0), last = to.transpose() - points.row(n - 1);
+    points += (1 - t.array()).matrix() * first + t * last;  // its ends lie in both walls but for noise
+    return points;
+  }
+
+  /// Of points where walls meet: each wall's own, across it.
+  Eigen::VectorXd deviation(const std::vector<std::size_t>& of, const Points& points) const {
+    const Index m = static_cast<Index>(of.size());
+    std::vector<Eigen::VectorXd> own;
+    std::vector<Wall::At> at;
+    for (const std::size_t w : of) own.push_back(walls_[w].deviation(points)), at.push_back(walls_[w].at(points));
+    Eigen::VectorXd out(points.rows());
+    for (Index k = 0; k < points.rows(); ++k) {
+      Eigen::MatrixXd normals(m, 3), errors = Eigen::MatrixXd::Zero(m, m);
+      for (Index w = 0; w < m; ++w) normals.row(w) = at[w].normal.row(k), errors(w, w) = own[w][k];
+      out[k] = (normals.transpose() * (normals * normals.transpose()).ldlt().solve(errors)).norm();
+    }
+    return out;
   }
 
   std::optional<WallMeeting> meeting(const Triangles& triangles) {
@@ -135,9 +204,13 @@ private:
     out.runs = first_.size();
     std::vector<char> done(first_.size(), 0);
     for (std::size_t run = 0; run < first_.size(); ++run)
-      if (!done[run]) split(around_part(run, third, done), wall(run), out);
+      if (!done[run]) {
+        const std::optional<std::vector<Index>> corners = around_part(run, third, done, out);
+        if (!corners) return {};
+        split(*corners, wall(run), out);
+      }
     for (std::size_t k = 0; k < out.parts.size(); ++k) {
-      const double towards = signed_area(outline(out, k)), own = walls_[out.wall[k]].has_faces ? towards : std::abs(towards);
+      const double towards = signed_area(outline(out, k)), own = walls_[out.wall[k]].has_faces() ? towards : std::abs(towards);
       if (!(own > within_ * across_)) return {};
       out.area += own;
     }
@@ -145,9 +218,9 @@ private:
     return out;
   }
 
-  /// The corners of the part that begins with a run, which may continue beyond other runs of its wall.
-  std::vector<Index> around_part(std::size_t start, const std::map<std::array<std::size_t, 2>, std::size_t>& third,
-                                 std::vector<char>& done) {
+  /// The corners of the part that begins with a run, which may continue beyond other runs of its wall. None where two walls do not meet.
+  std::optional<std::vector<Index>> around_part(std::size_t start, const std::map<std::array<std::size_t, 2>, std::size_t>& third,
+                                                std::vector<char>& done, WallMeeting& out) {
     std::vector<Index> corners;
     std::size_t here = start;
     do {
@@ -163,29 +236,82 @@ private:
         }
         if (wall(run) != wall(other)) {
           const Index to = *corner_of({wall(here), wall(other), wall(run)});
-          go(corner, to, corners);
+          if (!go(corner, to, {wall(here), wall(other)}, corners, out)) return {};
           corner = to;
         }
         other = run;
       }
-      go(corner, first_[here], corners);
+      if (!go(corner, first_[here], {wall(here), wall(other)}, corners, out)) return {};
     } while (here != start);
     return corners;
   }
 
-  /// Along a crease, which vertices of the rim that lie on it divide; all but its end.
-  void go(Index from, Index to, std::vector<Index>& corners) const {
-    if (from == to) return;
-    const Vec3 a = at(from), way = at(to) - a;
-    std::vector<std::pair<double, Index>> on = {{0, from}};  // share of the way, corner
+  /// Along a crease, which vertices of the rim that lie on it divide; all but its end. False where there is none.
+  bool go(Index from, Index to, std::array<std::size_t, 2> of, std::vector<Index>& corners, WallMeeting& out) {
+    if (from == to) return true;
+    std::ranges::sort(of);
+    const bool turned = from > to;
+    const std::array<Index, 2> ends = {std::min(from, to), std::max(from, to)};
+    auto known = ways_.find({ends, of});
+    if (known == ways_.end()) known = ways_.emplace(std::pair(ends, of), divided(ends, of)).first;
+    const std::vector<Step>& steps = known->second;
+    if (steps.empty()) return false;
+    for (const Step& step : steps)
+      if (step.points.rows() > 0) {
+        const std::array<Index, 2> key = {std::min(step.from, step.to), std::max(step.from, step.to)};
+        const auto [crease, added] = out.creases.try_emplace(key, WallCrease{step.points, step.deviation, of});
+        if (!added && crease->second.walls != of && step.points.rows() > 2) return false;
+        if (added && step.from > step.to) {
+          crease->second.points = step.points.colwise().reverse().eval();
+          crease->second.deviation = step.deviation.reverse().eval();
+        }
+      }
+    for (std::size_t k = 0; k < steps.size(); ++k) corners.push_back(turned ? steps[steps.size() - 1 - k].to : steps[k].from);
+    return true;
+  }
+
+  /// Between two vertices of the rim or nodes that follow each other along a crease; points: none along an edge of the rim.
+  struct Step {
+    Index from, to;
+    Points points;
+    Eigen::VectorXd deviation;
+  };
+
+  std::vector<Step> divided(const std::array<Index, 2>& ends, const std::array<std::size_t, 2>& of) const {
+    const std::optional<Points> points = crease(of, at(ends[0]), at(ends[1]));
+    if (!points) return {};
+    const double within = std::max(walls_[of[0]].within(), walls_[of[1]].within()),
+                 last = static_cast<double>(points->rows() - 1);
+    std::vector<std::pair<double, Index>> on = {{0, ends[0]}};  // place among the points, corner
     for (Index v = 0; v < n_; ++v) {
-      const Vec3 p = Vec3(rim_.row(v)) - a;
-      const double share = p.dot(way) / way.squaredNorm();
-      if (v != from && v != to && share > 0 && share < 1 && (p - share * way).norm() < within_) on.emplace_back(share, v);
+      if (v == ends[0] || v == ends[1]) continue;
+      double least = within, place = 0;
+      for (Index k = 0; k + 1 < points->rows(); ++k) {
+        const Vec3 a = points->row(k), way = points->row(k + 1).transpose() - a, p = Vec3(rim_.row(v)) - a;
+        const double share = std::clamp(p.dot(way) / way.squaredNorm(), 0.0, 1.0);
+        if (const double far = (p - share * way).norm(); far < least) least = far, place = static_cast<double>(k) + share;
+      }
+      if (place > 0 && place < last) on.emplace_back(place, v);
     }
     std::ranges::sort(on);
-    for (const auto& [share, v] : on) corners.push_back(v);
+    on.emplace_back(last, ends[1]);
+    std::vector<Step> steps;
+    for (std::size_t k = 0; k + 1 < on.size(); ++k) {
+      const auto [begin, from] = on[k];
+      const auto [end, to] = on[k + 1];
+      steps.push_back({from, to, Points(0, 3), {}});
+      if (is_edge(from, to)) continue;
+      const Index first = static_cast<Index>(std::floor(begin)) + 1, after = static_cast<Index>(std::ceil(end));
+      const Index inner = std::max<Index>(after - first, 0);
+      Points& own = steps.back().points;
+      own.resize(inner + 2, 3);
+      own << at(from).transpose(), points->middleRows(first, inner), at(to).transpose();
+      steps.back().deviation = deviation({of.begin(), of.end()}, own);
+    }
+    return steps;
   }
+
+  bool is_edge(Index a, Index b) const { return a < n_ && b < n_ && ((a + 1) % n_ == b || (b + 1) % n_ == a); }
 
   /// Where the border of a part comes back to a corner, both sides of that are parts.
   static void split(const std::vector<Index>& corners, std::size_t wall, WallMeeting& out) {
@@ -205,56 +331,70 @@ private:
     add(std::move(open));
   }
 
-  /// With the nodes that are used, and creases.
+  /// With the nodes that are used.
   void complete(WallMeeting& meeting) const {
     std::vector<Index> number(nodes_.size(), -1);
-    for (std::vector<Index>& part : meeting.parts)
-      for (Index& corner : part) {
-        if (corner < n_) continue;
-        Index& own = number[static_cast<std::size_t>(corner - n_)];
-        if (own < 0) {
-          own = n_ + static_cast<Index>(meeting.nodes.size());
-          meeting.nodes.push_back(at(corner));
-        }
-        corner = own;
+    const auto own = [&](Index corner) {
+      if (corner < n_) return corner;
+      Index& found = number[static_cast<std::size_t>(corner - n_)];
+      if (found < 0) {
+        found = n_ + static_cast<Index>(meeting.nodes.size());
+        meeting.nodes.push_back(at(corner));
+        meeting.deviation.push_back(deviation_[static_cast<std::size_t>(corner - n_)]);
       }
-    const auto is_edge = [&](Index a, Index b) { return a < n_ && b < n_ && ((a + 1) % n_ == b || (b + 1) % n_ == a); };
-    for (const std::vector<Index>& part : meeting.parts)
-      for (std::size_t k = 0; k < part.size(); ++k)
-        if (const Index a = part[k], b = part[(k + 1) % part.size()]; !is_edge(a, b))
-          meeting.creases.insert({std::min(a, b), std::max(a, b)});
+      return found;
+    };
+    for (std::vector<Index>& part : meeting.parts)
+      for (Index& corner : part) corner = own(corner);
+    std::map<std::array<Index, 2>, WallCrease> creases;
+    for (auto& [ends, crease] : meeting.creases) {
+      std::array<Index, 2> key = {own(ends[0]), own(ends[1])};
+      if (key[0] > key[1]) {
+        std::swap(key[0], key[1]);
+        crease.points = crease.points.colwise().reverse().eval();
+        crease.deviation = crease.deviation.reverse().eval();
+      }
+      creases.emplace(key, std::move(crease));
+    }
+    meeting.creases = std::move(creases);
   }
 
-  /// Seen from outside.
   PlanePoints outline(const WallMeeting& meeting, std::size_t part) const {
-    const Vec3 &normal = walls_[meeting.wall[part]].normal, along = normal.unitOrthogonal(), beside = normal.cross(along);
-    PlanePoints out(static_cast<Index>(meeting.parts[part].size()), 2);
-    for (Index k = 0; k < out.rows(); ++k) {
-      const Vec3 p = at(meeting.parts[part][k]) - Vec3(rim_.row(0));
-      out.row(k) << p.dot(along), p.dot(beside);
+    const std::vector<Index>& corners = meeting.parts[part];
+    std::vector<Vec3> points;
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const Index from = corners[k], to = corners[(k + 1) % corners.size()];
+      points.push_back(at(from));
+      const auto found = meeting.creases.find({std::min(from, to), std::max(from, to)});
+      const Index inner = found == meeting.creases.end() ? 0 : found->second.points.rows() - 2;
+      for (Index j = 1; j <= inner; ++j) points.emplace_back(found->second.points.row(from < to ? j : inner + 1 - j));
     }
-    return out;
+    Points rows(static_cast<Index>(points.size()), 3);
+    for (Index k = 0; k < rows.rows(); ++k) rows.row(k) = points[static_cast<std::size_t>(k)].transpose();
+    return walls_[meeting.wall[part]].seen_from_outside(rows);
   }
   bool crosses_itself(const WallMeeting& meeting) const {
     for (std::size_t k = 0; k < meeting.parts.size(); ++k)
-      if (crosses_its_sides(outline(meeting, k), 2 * within_)) return true;
+      if (crosses_its_sides(outline(meeting, k), 2 * walls_[meeting.wall[k]].within())) return true;
     return false;
   }
 
-  const std::vector<WallPlane>& walls_;
+  const std::vector<Wall>& walls_;
   const Points& rim_;
   const std::vector<std::size_t>& wall_;
   double across_, within_;
   Index n_;
   std::vector<Index> first_;  // places of the rim where runs begin
   std::vector<Vec3> nodes_;
+  std::vector<double> deviation_;                                                                  // of the nodes
+  std::map<std::pair<std::array<Index, 2>, std::array<std::size_t, 2>>, std::vector<Step>> ways_;  // by ends and walls
   std::map<std::array<std::size_t, 3>, std::optional<Index>> corners_;
 };
 
 }  // namespace
 
-std::optional<WallMeeting> least_meeting(const std::vector<WallPlane>& walls, const Points& rim,
-                                         const std::vector<std::size_t>& wall, double across) {
+std::optional<WallMeeting> least_meeting(const std::vector<Wall>& walls, const Points& rim, const std::vector<std::size_t>& wall,
+                                         double across) {
   if (wall.empty()) return {};
   return MeetingSearch(walls, rim, wall, across).least();
 }

@@ -126,9 +126,10 @@ private:
     const Features near = find_features(ground_.mesh, ground_.left, loop_);
     const auto goes_on = [&](const Connectivity& around) { return find_features(ground_.mesh, around, loop_).found(); };
     if (near.found() && (!ground_.is_part() || goes_on(Connectivity(ground_.mesh, out_.options.replaced))))
-      return near.walls && near.walls->parts.size() == 1 ? "a flat wall continues over the hole"
-             : near.walls && !near.walls->nodes.empty()  ? "flat walls around the hole meet in it"
-                                                         : "a crease of the surroundings continues across the hole";
+      return !near.walls || !near.walls->are_flat ? "a crease of the surroundings continues across the hole"
+             : near.walls->parts.size() == 1      ? "a flat wall continues over the hole"
+             : near.walls->nodes.empty()          ? "a crease of the surroundings continues across the hole"
+                                                  : "flat walls around the hole meet in it";
     const auto is_known = [&](Index v) { return ground_.left.knows(v); };
     // what is not there need not be sought again
     out_.options.features = near.found() || !std::all_of(near.vertices.begin(), near.vertices.end(), is_known);

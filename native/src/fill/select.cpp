@@ -25,10 +25,6 @@ constexpr double error_of_triangles = 0.1;
 /// Nobody sees less.
 constexpr double negligible = 1e-5;
 
-double root_mean_square(const Eigen::VectorXd& values) {
-  return values.size() == 0 ? 0 : values.norm() / std::sqrt(static_cast<double>(values.size()));
-}
-
 double stated_error(const Fill& fill, double size) {
   const Report& report = fill.report;
   const double by_planes = least_error(report.surroundings_error, size);
@@ -50,6 +46,10 @@ std::string why_not(const Quality& quality, const Quality& used) {
 }
 
 }  // namespace
+
+double root_mean_square(const Eigen::VectorXd& values) {
+  return values.size() == 0 ? 0 : values.norm() / std::sqrt(static_cast<double>(values.size()));
+}
 
 double expected_error(const Fill& fill, double size) {
   const double error = stated_error(fill, size);

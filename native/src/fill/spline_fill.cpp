@@ -8,6 +8,7 @@
 #include "tripatch/constructions/methods.h"
 #include "tripatch/creases/creased_fill.h"
 #include "tripatch/creases/features.h"
+#include "tripatch/fill/select.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
@@ -218,7 +219,12 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   if (options.features) {
     Features features = find_features(mesh, around, rim);
     creased = fill_across_creases(mesh, around, rim, features, own);
-    if (!creased && std::exchange(features.walls, {})) creased = fill_across_creases(mesh, around, rim, features, own);
+    if (features.walls && !(creased && features.walls->are_flat)) {  // or as the ends of creases say
+      features.walls.reset();
+      std::optional<PlaneFill> other = fill_across_creases(mesh, around, rim, features, own);
+      if (other && (!creased || root_mean_square(other->deviation) < root_mean_square(creased->deviation)))
+        creased = std::move(other);
+    }
   }
   own.continued = options.continued;
   own.planes = options.planes;

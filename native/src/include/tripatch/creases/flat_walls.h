@@ -2,11 +2,12 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <numbers>
 #include <optional>
-#include <set>
 #include <vector>
 
+#include "tripatch/creases/wall_meeting.h"
 #include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
@@ -18,10 +19,13 @@ inline constexpr double min_crease_angle = 25 * std::numbers::pi / 180;
 
 /// Flat walls that close a hole, one or more. Corners are numbered: places in the rim, then nodes.
 struct FlatWalls {
-  std::vector<Vec3> nodes;                 ///< inside the hole
-  std::vector<std::vector<Index>> parts;   ///< corners around each, as new faces traverse it
-  std::set<std::array<Index, 2>> creases;  ///< corners, the lower first: the steps around parts that are no edges of the rim
-  std::vector<std::vector<Index>> faces;   ///< of the surroundings, for each part those in its plane
+  std::vector<Vec3> nodes;                ///< inside the hole
+  std::vector<double> deviation;          ///< of the nodes, scene units
+  std::vector<std::vector<Index>> parts;  ///< corners around each, as new faces traverse it
+  std::map<std::array<Index, 2>, WallCrease>
+      creases;                            ///< by corners, the lower first: steps around parts that are no edges of the rim
+  std::vector<std::vector<Index>> faces;  ///< of the surroundings, for each part those of its wall
+  bool are_flat = true;                   ///< all that were looked at
 };
 
 /// rim: as new faces traverse it, `across` in diameter. Walls are planes of the faces next to the rim, and a few of which no face is left,
@@ -30,7 +34,7 @@ struct FlatWalls {
 /// wall. Of a flat rim one wall, which continues next to all or some of it and ends at the rest or near by, else none: a cap may lie
 /// on it. Faces are sought among those whose vertices are all `near`, sorted.
 std::optional<FlatWalls> flat_walls(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across,
-                                    const std::vector<Index>& near);
+                                    const std::vector<Index>& near, const std::vector<std::array<Index, 2>>* sharp = nullptr);
 
 /// Whether the rim is flat, and the faces next to it are walls that end there at an angle, each with the next or round a straight tube: what is
 /// lost is another wall of the solid.

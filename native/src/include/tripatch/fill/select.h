@@ -11,6 +11,8 @@
 
 namespace tripatch {
 
+/// 0 of none.
+double root_mean_square(const Eigen::VectorXd& values);
 /// How far the new vertices of a fill are expected to be off, scene units. size: the diameter of the hole.
 double expected_error(const Fill& fill, double size);
 /// That of a patch at least, by the error of its sides' tangent planes in degrees.
