@@ -267,3 +267,33 @@ def box(n):
             faces.append(quads if side > 0 else quads[:, ::-1])
     vertices, number = np.unique(np.round(np.concatenate(points), 12), axis=0, return_inverse=True)
     return vertices, number.ravel()[np.concatenate(faces)].tolist()
+
+
+def half_cylinder(cut):
+    """Triangles around the corner (1, 0, 1) of a half cylinder: its round wall, its flat side and its end."""
+    number, faces, steps = {}, [], np.linspace(0, 1, cut + 1)
+    walls = [
+        lambda s, a: (np.cos(a), np.sin(a), 1 - s),
+        lambda t, s: (1 - t, 0, 1 - s),
+        lambda a, t: ((1 - t) * np.cos(a), (1 - t) * np.sin(a), 1),
+    ]
+    for wall in walls:
+        for i in range(cut):
+            for j in range(cut):
+                at = [wall(steps[i + di], steps[j + dj]) for di, dj in ((0, 0), (1, 0), (1, 1), (0, 1))]
+                a, b, c, d = (number.setdefault(tuple(np.round(p, 9)), len(number)) for p in at)
+                two = [[a, b, c], [a, c, d]] if (i + j) % 2 else [[a, b, d], [b, c, d]]
+                faces += [t for t in two if len(set(t)) == 3]
+    return np.array(list(number)), np.array(faces)
+
+
+@pytest.mark.parametrize("radius", [1.5, 2.5, 3.5])
+def test_a_round_wall_and_two_flat_ones_meet_in_a_corner_inside_the_hole(radius):
+    vertices, faces = half_cylinder(12)
+    corner, size = np.array([1, 0, 1]), radius / 6
+    left = faces[np.linalg.norm(vertices[faces].mean(axis=1) - corner, axis=1) > size / 2]
+    (rim,) = (rim for rim in tripatch.find_holes(left) if np.linalg.norm(vertices[rim] - corner, axis=1).max() < size)
+    new = tripatch.fill(vertices, left, rim=rim).vertices
+    off = np.abs(np.column_stack([np.hypot(new[:, 0], new[:, 1]) - 1, new[:, 1], new[:, 2] - 1])).min(axis=1)
+    assert off.max() < 2e-3 * size
+    assert np.linalg.norm(new - corner, axis=1).min() < 1e-3 * size
