@@ -104,6 +104,51 @@ def _in_shape_key(bm, planned, name, in_key, world):
     return []
 
 
+class _Whole:
+    """All of a mesh without what rims replace, through which fills may pass."""
+
+    def __init__(self, bm, world, rims):
+        self._bm = bm
+        self._points, offsets, corners = flat_arrays(bm, world)
+        kept = np.ones(len(bm.faces), bool)
+        kept[[f.index for rim in rims for f in rim.replaced]] = False
+        self._faces, sizes = np.flatnonzero(kept), np.diff(offsets)
+        self._corners, self._offsets = corners[np.repeat(kept, sizes)], np.concatenate([[0], np.cumsum(sizes[kept])])
+
+    def passages(self, fills):
+        """For each fill a place where it passes through the mesh or another fill, or None; of a Refusal None."""
+        made = [k for k, fill in enumerate(fills) if not isinstance(fill, tripatch.Refusal)]
+        points, corners, sizes, of_face = [self._points], [self._corners], [], [np.full(len(self._faces), -1)]
+        count = known = len(self._points)
+        for number, k in enumerate(made):
+            faces = index_lists(fills[k].faces)
+            own = np.array([v for face in faces for v in face], np.int64)
+            corners.append(np.where(own < known, own, own - known + count))
+            sizes += [len(face) for face in faces]
+            points.append(fills[k].vertices)
+            of_face.append(np.full(len(faces), number))
+            count += len(fills[k].vertices)
+        offsets = np.concatenate([self._offsets, self._offsets[-1] + np.cumsum(sizes, dtype=np.int64)])
+        found = passages.of_faces(np.vstack(points), offsets, np.concatenate(corners), np.concatenate(of_face).tolist())
+        places = [None] * len(fills)
+        for k, place in zip(made, found, strict=True):
+            places[k] = place
+        return places
+
+    def beside(self, fills):
+        """Faces of the mesh that lie in the boxes of fills, however far their vertices are along its edges."""
+        if not len(self._faces):
+            return []
+        own = self._points[self._corners]
+        low, high = (each.reduceat(own, self._offsets[:-1]) for each in (np.minimum, np.maximum))
+        near = np.zeros(len(self._faces), bool)
+        for fill in fills:
+            points = np.vstack([self._points[fill.rim], fill.vertices])
+            near |= ((low <= points.max(axis=0)) & (high >= points.min(axis=0))).all(axis=1)
+        self._bm.faces.ensure_lookup_table()
+        return [self._bm.faces[k] for k in self._faces[near].tolist()]
+
+
 def _plans(bm, rims, there, world, keys, options, around, cage, progress):
     """For each rim a `Planned` fill and notes on it, or a Refusal and none.
 
@@ -111,12 +156,21 @@ def _plans(bm, rims, there, world, keys, options, around, cage, progress):
     """
     positions, faces, replaced = around.around(*there)
     of_cage = {"subdivision": cage.near(faces)} if cage else {}
+    fills = calls.fills(rims, (positions, faces, replaced), options, progress, **of_cage)
+    places = [None] * len(rims)
+    if not cage:
+        whole = _Whole(bm, world, rims)
+        places = whole.passages(fills)
+        if any(places):  # the library goes another way, if there is one, where it knows what is in the way
+            also = whole.beside([fill for fill, place in zip(fills, places, strict=True) if place])
+            fills = calls.fills(rims, around.around(*there, also=also), options, progress)
+            places = whole.passages(fills)
     results = []
-    for rim, fill in zip(rims, calls.fills(rims, (positions, faces, replaced), options, progress, **of_cage), strict=True):
+    for rim, fill, place in zip(rims, fills, places, strict=True):
         if not isinstance(fill, tripatch.Refusal):
             try:
                 fill = _planned(bm, rim, world, fill, len(positions))
-                fill.cage = cage is not None
+                fill.cage, fill.passes_through = cage is not None, place
             except tripatch.Refusal as refusal:
                 fill = refusal
         results.append((fill, []))
@@ -298,14 +352,14 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None,
             unknown = options.deviation and plan.fill.deviation is None
             said.append((plan.loop, [*plan.fill.report.warnings, *notes, *[tripatch.Message("no_error_estimate")] * unknown]))
             made.append((said[-1], len(plan.fill.faces)))
+            outcome.passages.append(plan.passes_through)
         if planned and cages:
             new_faces += writeback.write(bm, mesh, planned, options)
             planned = []
     if planned:
         new_faces += writeback.write(bm, mesh, planned, options)
-    if made:
-        counts = [count for _, count in made]
-        outcome.passages = _passages(bm, matrix, new_faces, counts, cages, modifier)
+    if made and cages:
+        outcome.passages = _passages_of_cages(bm, matrix, new_faces, [count for _, count in made], modifier)
     for ((loop, told), _), place in zip(made, outcome.passages, strict=True):
         told += passes(place, loop)
     new_faces = [face for face in new_faces if face.is_valid]
@@ -316,9 +370,9 @@ def fill_rims(bm, mesh, matrix, rims, options, active_shape=None, modifier=None,
     return outcome, new_faces
 
 
-def _passages(bm, matrix, new_faces, counts, cages, modifier):
-    """For each fill a place where it passes through the mesh that it is in now, or None. counts: how many of the new faces are
-    its own; cages, modifier: whether the fills are cages, and what subdivides them."""
+def _passages_of_cages(bm, matrix, new_faces, counts, modifier):
+    """For each cage a place where its limit surface passes through that of the mesh that it is in now, or None. counts: how many
+    of the new faces are its own; modifier: what subdivides them."""
     bm.verts.index_update()
     bm.faces.index_update()
     positions, offsets, corners = flat_arrays(bm, matrix)
@@ -326,7 +380,7 @@ def _passages(bm, matrix, new_faces, counts, cages, modifier):
     for face, fill in zip(new_faces, np.repeat(np.arange(len(counts)), counts).tolist(), strict=True):
         if face.is_valid:
             fill_of_face[face.index] = fill
-    subdivided = subdivision.Cage(bm, modifier).near(_lists(offsets, corners)) if cages else None
+    subdivided = subdivision.Cage(bm, modifier).near(_lists(offsets, corners))
     return passages.of_faces(positions, offsets, corners, fill_of_face.tolist(), subdivided)
 
 

@@ -474,8 +474,8 @@ class Surroundings:
         self._matrix, self._shape = matrix, shape
         self.positions = np.zeros((max(len(bm.verts), count), 3))
 
-    def around(self, *rims):
-        """(positions (n, 3), faces as index lists, indices of the replaced ones) for the faces around rims."""
+    def around(self, *rims, also=()):
+        """(positions (n, 3), faces as index lists, indices of the replaced ones) for the faces around rims, and others."""
         front = [v for rim in rims for v in rim.vertices]
         seen, faces = set(front), set()
         filled = set().union(*(rim.replaced for rim in rims if rim.fill))
@@ -484,6 +484,8 @@ class Surroundings:
             faces |= ring
             front = {v for f in ring for v in f.verts} - seen
             seen |= front
+        faces |= set(also) - filled
+        seen.update(v for f in also for v in f.verts)
         ordered, near = by_index(faces), [*seen, *(v for rim in rims for v in rim.inside)]
         self.positions[[v.index for v in near]] = coordinates(near, self._shape) @ self._matrix[:3, :3].T + self._matrix[:3, 3]
         gone = set().union(*(rim.replaced for rim in rims))

@@ -30,6 +30,7 @@ class Planned:
     rim_normals: np.ndarray  # (r, 3)
     tangent: tuple  # to the surroundings, by side; empty: along the whole rim
     cage: bool = False  # the new vertices are control points
+    passes_through: Any = None  # a place where it passes through the mesh; of a cage not known before it is written
     moved: list = field(default_factory=list)  # (BMVert, position in object space)
     in_shape_keys: dict = field(default_factory=dict)  # name: (k, 3)
     moved_in_shape_keys: dict = field(default_factory=dict)  # name: (as many as `moved`, 3)

@@ -50,6 +50,27 @@ def test_it_is_said_with_its_place(options, capfd):
         bpy.ops.object.mode_set(mode="OBJECT")
 
 
+def test_another_fill_is_taken_where_one_is_free(capfd):
+    """A ball with a round hole, and a fin above the hole's plane that reaches out of the ball: no edge connects the two."""
+    angle, lean = 2 * np.pi * np.arange(24) / 24, 0.6 + 0.15 * np.arange(12)
+    rings = [np.column_stack([np.sin(t) * np.cos(angle), np.sin(t) * np.sin(angle), np.full(24, np.cos(t))]) for t in lean]
+    faces = [
+        [24 * j + k, 24 * (j + 1) + k, 24 * (j + 1) + (k + 1) % 24, 24 * j + (k + 1) % 24] for j in range(11) for k in range(24)
+    ]
+    fin = np.array([[-0.2, 0, 0.9], [0.2, 0, 0.9], [0.2, 0, 1.2], [-0.2, 0, 1.2]])
+    for in_the_way in (False, True):
+        vertices = np.vstack([*rings, fin] if in_the_way else rings)
+        ob = scenes.add_mesh(vertices, [*faces, [288, 289, 290, 291]] if in_the_way else faces)
+        (bm,) = scenes.edit(ob, mode="EDGE")
+        scenes.select_rim(bm, next(loop for loop in scenes.border_loops(bm) if len(loop) == 24 and loop[0].co.z > 0))
+        bmesh.update_edit_mesh(ob.data)
+        assert bpy.ops.mesh.fill_smooth(output="triangles") == {"FINISHED"}
+        assert "passes" not in capfd.readouterr().out
+        bpy.ops.object.mode_set(mode="OBJECT")
+        highest = max(v.co.z for v in ob.data.vertices if v.index >= len(vertices))
+        assert (highest < 0.9) == in_the_way
+
+
 def test_on_the_command_line_it_counts(addon, tmp_path):
     command_line = importlib.import_module(f"{addon.__name__}.command_line")
     add_plate(True, False)
