@@ -15,7 +15,7 @@ _INTEGERS = 2**31 - 1
 
 
 def words(name):
-    return name.replace("_", " ").title()
+    return "Automatic" if name == "auto" else name.replace("_", " ").title()
 
 
 def label(named):

@@ -31,7 +31,7 @@ def called(statements):
 
 @pytest.mark.parametrize("source", SOURCES, ids=lambda path: path.name)
 def test_who_catches_value_errors_names_refusals(source):
-    for node in ast.walk(ast.parse(source.read_text())):
+    for node in ast.walk(ast.parse(source.read_text(encoding="utf-8"))):
         if not isinstance(node, ast.Try):
             continue
         named = set()
