@@ -63,6 +63,32 @@ TEST_CASE("points that are evaluated together have the bits of points evaluated 
     }
 }
 
+TEST_CASE("positions and first derivatives are those that jets of a higher order have") {
+  const Boundary boundary = pieces();
+  const std::array<PiecewisePolynomial, 3> slopes = {boundary.ribbons[0].d, boundary.ribbons[1].d, boundary.ribbons[2].d};
+  const Points b = scattered(1003);
+  for (const int degree : {0, 4, highest_interior}) {
+    const SurfacePtr added = correction(slopes, degree, 3, Points::Random(scalars(degree, 3), 3)),
+                     less = correction(slopes, degree, 0, Points::Random(scalars(degree, 0), 3));
+    for (const SurfacePtr& surface : {side_vertex(boundary), curved_side_vertex(boundary), added, less}) {
+      std::vector<double> places(3 * b.rows()), first(9 * b.rows()), more(18 * b.rows());
+      surface->evaluate(b.data(), b.rows(), 0, places.data());
+      surface->evaluate(b.data(), b.rows(), 1, first.data());
+      surface->evaluate(b.data(), b.rows(), 2, more.data());
+      double off = 0, off_slopes = 0;
+      for (Index k = 0; k < b.rows(); ++k)
+        for (int x = 0; x < 9; ++x) {
+          const double jet = more[18 * k + x];
+          if (x < 3) off = std::max({off, std::abs(first[9 * k + x] - jet), std::abs(places[3 * k + x] - jet)});
+          const double rho = 1 - b.row(k).maxCoeff();  // the distance from a vertex, by which rounding grows
+          if (x > 2 && rho > 1e-4) off_slopes = std::max(off_slopes, rho * std::abs(first[9 * k + x] - jet));
+        }
+      CHECK(off < 1e-13 * boundary.size);
+      CHECK(off_slopes < 1e-12 * boundary.size);
+    }
+  }
+}
+
 #ifdef TRIPATCH_PACKS
 namespace {
 

@@ -5,19 +5,32 @@
 namespace tripatch {
 namespace {
 
-class SideVertex final : public PackedSurface<SideVertex> {
+template <RayDegree Degree>
+class SideVertex final : public PackedSurface<SideVertex<Degree>> {
 public:
-  SideVertex(const Boundary& boundary, RayDegree degree)
-      : rays_{VertexRay(boundary, 0, degree), VertexRay(boundary, 1, degree), VertexRay(boundary, 2, degree)} {}
+  explicit SideVertex(const Boundary& boundary)
+      : rays_{VertexRay(boundary, 0, Degree), VertexRay(boundary, 1, Degree), VertexRay(boundary, 2, Degree)} {}
 
   Vec3 corner(int i) const override { return rays_[i].corner(i); }
 
   template <int N>
   JetPoint<N> at(const Barycentric<N>& b) const {
-    const std::array<Jet<N>, 3> w = side_weights(b);
-    JetPoint<N> p;
-    for (int i = 0; i < 3; ++i) p += w[i] * rays_[i].at(b);
-    return p;
+    if constexpr (N <= highest_written_out) {
+      return point_of_plane(*this, b);
+    } else {
+      const std::array<Jet<N>, 3> w = side_weights(b);
+      JetPoint<N> p;
+      for (int i = 0; i < 3; ++i) p += w[i] * rays_[i].at(b);
+      return p;
+    }
+  }
+
+  template <int N, class P>
+  TRIPATCH_ANY_PACK void plane(const P (&b)[3], TangentPlane<N, P>& sum) const {
+    Plane<N, P> weights[3];
+    set_zero<N>(sum);
+    weights_of_sides<2>(b, weights);
+    for (int i = 0; i < 3; ++i) rays_[i].template add_plane<N, Degree>(OnRay<N, P>(b, i), weights[i], sum);
   }
 
 #ifdef TRIPATCH_PACKS
@@ -35,15 +48,19 @@ private:
 #ifdef TRIPATCH_PACKS
   template <int N, class P>
   TRIPATCH_ANY_PACK PackPoint<N, P> blended(const PackBarycentric<N, P>& b) const {
-    const PackRays<N, P> rays(b);
-    PackJet<N, P> w[3];
-    side_weights<2>(b, rays, w);
-    PackPoint<N, P> p = {};
-    for (int i = 0; i < 3; ++i) {
-      const PackPoint<N, P> ray = rays_[i].at(rays.s[i], rays.t[i]);
-      for (int x = 0; x < 3; ++x) p.x[x] += w[i] * ray.x[x];
+    if constexpr (N <= highest_written_out) {
+      return point_of_plane(*this, b);
+    } else {
+      const PackRays<N, P> rays(b);
+      PackJet<N, P> w[3];
+      side_weights<2>(b, rays, w);
+      PackPoint<N, P> p = {};
+      for (int i = 0; i < 3; ++i) {
+        const PackPoint<N, P> ray = rays_[i].at(rays.s[i], rays.t[i]);
+        for (int x = 0; x < 3; ++x) p.x[x] += w[i] * ray.x[x];
+      }
+      return p;
     }
-    return p;
   }
 #endif
 
@@ -52,8 +69,8 @@ private:
 
 }  // namespace
 
-SurfacePtr side_vertex(const Boundary& boundary) { return std::make_shared<SideVertex>(boundary, RayDegree::cubic); }
+SurfacePtr side_vertex(const Boundary& boundary) { return std::make_shared<SideVertex<RayDegree::cubic>>(boundary); }
 
-SurfacePtr curved_side_vertex(const Boundary& boundary) { return std::make_shared<SideVertex>(boundary, RayDegree::quintic); }
+SurfacePtr curved_side_vertex(const Boundary& boundary) { return std::make_shared<SideVertex<RayDegree::quintic>>(boundary); }
 
 }  // namespace tripatch

@@ -5,18 +5,51 @@
 #include <memory>
 #include <mutex>
 
-#include "tripatch/patch/simd.h"
+#include "tripatch/patch/tangent_planes.h"
 
 namespace tripatch {
 namespace {
 
+constexpr double one_third = 1.0 / 3;
+
+/// From Bernstein coefficients to those of (b0 - 1/3)^i (b1 - 1/3)^j, highest i first and of each highest j first.
+Points about_middle(const Points& net, int degree) {
+  const std::array<Vec3, 3> linear = {Vec3(one_third, 1, 0), Vec3(one_third, 0, 1), Vec3(one_third, -1, -1)};  // of 1, u and v
+  const std::vector<double> factor = multinomials(degree);
+  using Table = std::array<std::array<double, highest_interior + 1>, highest_interior + 1>;  // by powers of u and v
+  std::array<Table, 3> sum = {};
+  const auto times = [degree](const Table& f, const Vec3& by) {
+    Table product = {};
+    for (int i = 0; i <= degree; ++i)
+      for (int j = 0; i + j <= degree; ++j)
+        product[i][j] = by[0] * f[i][j] + (i > 0 ? by[1] * f[i - 1][j] : 0) + (j > 0 ? by[2] * f[i][j - 1] : 0);
+    return product;
+  };
+  Table first = {};
+  first[0][0] = 1;
+  Index row = 0;
+  for (int i = degree; i >= 0; --i)
+    for (int j = degree - i; j >= 0; --j, ++row) {
+      Table f = first;
+      for (int n = 0; n < degree; ++n) f = times(f, linear[n < i ? 0 : n < i + j ? 1 : 2]);
+      for (int x = 0; x < 3; ++x)
+        for (int p = 0; p <= degree; ++p)
+          for (int q = 0; p + q <= degree; ++q) sum[x][p][q] += factor[row] * net(row, x) * f[p][q];
+    }
+  Points out(net.rows(), 3);
+  row = 0;
+  for (int p = degree; p >= 0; --p)
+    for (int q = degree - p; q >= 0; --q, ++row) out.row(row) << sum[0][p][q], sum[1][p][q], sum[2][p][q];
+  return out;
+}
+
 class Correction final : public PackedSurface<Correction> {
 public:
   Correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int second_cross, const Points& coefficients)
-      : slopes_(std::move(slopes)), degree_(degree), inside_(coefficients.topRows(BezierTriangle::net_size(degree))) {
+      : slopes_(std::move(slopes)),
+        degree_(degree),
+        inside_(about_middle(coefficients.topRows(BezierTriangle::net_size(degree)), degree)) {
     for (int i = 0; i < 3; ++i) packed_slopes_[i] = PackedField(slopes_[i]);
-    const std::vector<double> factor = multinomials(degree);
-    for (Index k = 0; k < inside_.rows(); ++k) inside_.row(k) *= factor[k];
     if (second_cross == 0) return;
     for (int i = 0; i < 3; ++i) {
       const Points of_side = coefficients.middleRows(inside_.rows() + i * second_cross, second_cross);
@@ -29,18 +62,61 @@ public:
 
   template <int N>
   JetPoint<N> at(const Barycentric<N>& b) const {
-    JetPoint<N> p;
-    for_monomials(b, degree_, [&](int k, const Jet<N>& f) {
-      for (int x = 0; x < 3; ++x) p.x[x] += inside_(k, x) * f;
-    });
-    p = bubble(b) * p;
-    const std::array<Jet<N>, 3> weights = side_weights(b), cubic_weights = cubic_side_weights(b);
-    for (int i = 0; i < 3; ++i) {
-      const Jet<N> t = ray_parameter(b, i);
-      p += slope_kernel(b, weights, i) * compose(slopes_[i], t);
-      if (!second_cross_[i].empty()) p += second_cross_kernel(b, cubic_weights, i) * compose(second_cross_[i], t);
+    if constexpr (N <= highest_written_out) {
+      return point_of_plane(*this, b);
+    } else {
+      double inner[jet_size(N)][3];
+      inside<N>(b[0].value(), b[1].value(), inner);
+      JetPoint<N> p;
+      for (int k = 0; k < jet_size(N); ++k)
+        for (int x = 0; x < 3; ++x) p.x[x].c[k] = inner[k][x];
+      p = bubble(b) * p;
+      const std::array<Jet<N>, 3> weights = side_weights(b), cubic_weights = cubic_side_weights(b);
+      for (int i = 0; i < 3; ++i) {
+        const Jet<N> t = ray_parameter(b, i);
+        p += slope_kernel(b, weights, i) * compose(slopes_[i], t);
+        if (!second_cross_[i].empty()) p += second_cross_kernel(b, cubic_weights, i) * compose(second_cross_[i], t);
+      }
+      return p;
     }
-    return p;
+  }
+
+  template <int N, class P>
+  TRIPATCH_ANY_PACK void plane(const P (&b)[3], TangentPlane<N, P>& sum) const {
+    inside<N>(b[0], b[1], sum);
+    const P g = 27.0 * (b[0] * b[1] * b[2]), over = g * g;
+    if constexpr (N > 0)
+      for (int d = 0; d < 2; ++d) {
+        const auto& slope = barycentric_slopes;
+        const P of_g = slope[0][d] * (b[1] * b[2]) + slope[1][d] * (b[2] * b[0]) + slope[2][d] * (b[0] * b[1]);
+        const P of_over = 54.0 * (g * of_g);
+        for (int x = 0; x < 3; ++x) sum[1 + d][x] = over * sum[1 + d][x] + of_over * sum[0][x];
+      }
+    for (int x = 0; x < 3; ++x) sum[0][x] *= over;
+    Plane<N, P> weights[3], cubic_weights[3];
+    weights_of_sides<2>(b, weights);
+    weights_of_sides<3>(b, cubic_weights);
+    for (int i = 0; i < 3; ++i) {
+      const OnRay<N, P> on(b, i);
+      P field[N + 1][3];
+      field_at<N>(slopes_[i], packed_slopes_[i], on.t.c[0], field);
+      Plane<N, P> kernel;  // slope_kernel
+      const P s_b = on.s * on.b;
+      kernel.c[0] = -(weights[i].c[0] * on.s * s_b);
+      if constexpr (N > 0)
+        for (int d = 0; d < 2; ++d)
+          kernel.c[1 + d] =
+              -(weights[i].c[1 + d] * on.s * s_b) - barycentric_slopes[i][d] * (weights[i].c[0] * (on.s * on.s - 2.0 * s_b));
+      add_field<N>(kernel, on.t, field, sum);
+      if (second_cross_[i].empty()) continue;
+      field_at<N>(second_cross_[i], packed_second_cross_[i], on.t.c[0], field);
+      const P half = 0.5 * on.b;  // second_cross_kernel
+      kernel.c[0] = half * on.b * cubic_weights[i].c[0];
+      if constexpr (N > 0)
+        for (int d = 0; d < 2; ++d)
+          kernel.c[1 + d] = half * on.b * cubic_weights[i].c[1 + d] + barycentric_slopes[i][d] * (on.b * cubic_weights[i].c[0]);
+      add_field<N>(kernel, on.t, field, sum);
+    }
   }
 
 #ifdef TRIPATCH_PACKS
@@ -58,7 +134,20 @@ private:
 #ifdef TRIPATCH_PACKS
   template <int N, class P>
   TRIPATCH_ANY_PACK PackPoint<N, P> whole(const PackBarycentric<N, P>& b) const {
-    PackPoint<N, P> p = inside(b);
+    if constexpr (N <= highest_written_out) {
+      return point_of_plane(*this, b);
+    } else {
+      return of_jets(b);
+    }
+  }
+
+  template <int N, class P>
+  TRIPATCH_ANY_PACK PackPoint<N, P> of_jets(const PackBarycentric<N, P>& b) const {
+    P inner[jet_size(N)][3];
+    inside<N>(b[0].c[0], b[1].c[0], inner);
+    PackPoint<N, P> p;
+    for (int k = 0; k < jet_size(N); ++k)
+      for (int x = 0; x < 3; ++x) p.x[x].c[k] = inner[k][x];
     const PackJet<N, P> over = square(27.0 * (b[0] * b[1] * b[2]));
     const PackRays<N, P> rays(b);
     PackJet<N, P> weights[3], cubic_weights[3];
@@ -77,29 +166,34 @@ private:
     for (int x = 0; x < 3; ++x) sum.x[x] += kernel * field.x[x];
   }
 
-  /// What the bubble multiplies.
-  template <int N, class P>
-  TRIPATCH_ANY_PACK PackPoint<N, P> inside(const PackBarycentric<N, P>& b) const {
-    PackJet<N, P> power[3][highest_interior + 1];
-    for (int i = 0; i < 3; ++i) {
-      power[i][0] = {{all_lanes_of<P>(1)}};
-      for (int k = 1; k <= degree_; ++k) power[i][k] = power[i][k - 1] * b[i];
-    }
-    PackPoint<N, P> p = {};
-    const double* a = inside_.data();
-    for (int i = degree_; i >= 0; --i)
-      for (int j = degree_ - i; j >= 0; --j, a += 3) {
-        const PackJet<N, P> f = power[0][i] * (power[1][j] * power[2][degree_ - i - j]);
-        for (int x = 0; x < 3; ++x) p.x[x] += a[x] * f;
-      }
-    return p;
-  }
 #endif
+
+  /// What the bubble multiplies: its Taylor coefficients.
+  template <int N, class P>
+  TRIPATCH_ANY_PACK void inside(const P& b0, const P& b1, P (&out)[jet_size(N)][3]) const {
+    const P u = b0 - one_third, v = b1 - one_third;
+    set_zero<N>(out);
+    const double* a = inside_.data();
+    for (int i = 0; i <= degree_; ++i) {
+      P row[N + 1][3] = {};  // the polynomial of v that multiplies a power of u
+      for (int j = 0; j <= i; ++j, a += 3)
+        for (int x = 0; x < 3; ++x) {
+          for (int l = N; l > 0; --l) row[l][x] = row[l][x] * v + row[l - 1][x];
+          row[0][x] = row[0][x] * v + a[x];
+        }
+      for (int x = 0; x < 3; ++x)
+        for (int k = N; k >= 0; --k)
+          for (int l = 0; k + l <= N; ++l) {
+            P& sum = out[jet_index(k, l)][x];
+            sum = sum * u + (k > 0 ? out[jet_index(k - 1, l)][x] : row[l][x]);
+          }
+    }
+  }
 
   std::array<PiecewisePolynomial, 3> slopes_, second_cross_;  // second_cross_: empty where there are none
   std::array<PackedField, 3> packed_slopes_, packed_second_cross_;
   int degree_;
-  Points inside_;  // by monomials of b
+  Points inside_;  // as about_middle
 };
 
 }  // namespace

@@ -14,6 +14,10 @@
 #include "tripatch/math/simd.h"
 #include "tripatch/patch/surface.h"
 
+#ifndef TRIPATCH_PACKS
+#define TRIPATCH_ANY_PACK inline
+#endif
+
 namespace tripatch {
 
 #ifdef TRIPATCH_PACKS
@@ -230,8 +234,10 @@ public:
   template <class P>
   struct Places {
     P t;
-    Index piece[width_of<P>];  ///< these where there are more pieces than one
-    double u[width_of<P>];     ///< t from their middles
+    struct {
+      Index piece;
+      double u;           ///< t from its middle
+    } lane[width_of<P>];  ///< these where there are more pieces than one; side by side a register would wait for four stores
   };
   template <class P>
   TRIPATCH_ANY_PACK Places<P> places(const P& t) const {
@@ -247,8 +253,7 @@ public:
       Index p = lookup_[static_cast<std::int32_t>(scaled[lane])];
       p += t[lane] >= ends_[p];  // whether one break is passed is not known beforehand, another rarely is
       while (t[lane] >= ends_[p]) ++p;
-      out.piece[lane] = p;
-      out.u[lane] = t[lane] - middles_[p];
+      out.lane[lane] = {p, t[lane] - middles_[p]};
     }
     return out;
   }
@@ -283,8 +288,8 @@ private:
     const double* a[width_of<P>];
     Pack u[width_of<P>], points[Order + 1][width_of<P>];  // the components of a point in a register
     for (int lane = 0; lane < width_of<P>; ++lane) {
-      a[lane] = &coefficients_[4 * (degree_ + 1) * at.piece[lane]];
-      u[lane] = all_lanes_of<Pack>(at.u[lane]);
+      a[lane] = &coefficients_[4 * (degree_ + 1) * at.lane[lane].piece];
+      u[lane] = all_lanes_of<Pack>(at.lane[lane].u);
     }
     horner<Order>(u, [&](Index k, int lane) TRIPATCH_ANY_PACK_LAMBDA { return loaded(a[lane] + 4 * k); }, points);
     for (int j = 0; j <= Order; ++j) turn(points[j], out[j]);
@@ -295,7 +300,13 @@ private:
   TRIPATCH_ANY_PACK void horner(const P (&u)[Count], const Coefficient& coefficient, P (&out)[Order + 1][Count]) const {
     P sum[Order + 1][Count] = {};
     for (int x = 0; x < Count; ++x) sum[0][x] = coefficient(degree_, x);
-    for (Index k = degree_ - 1; k >= 0; --k)
+    Index k = degree_ - 1;
+    if constexpr (Order == 1)
+      if (k >= 0) {  // the first step without what multiplies 0
+        for (int x = 0; x < Count; ++x) sum[1][x] = sum[0][x], sum[0][x] = sum[0][x] * u[x] + coefficient(k, x);
+        --k;
+      }
+    for (; k >= 0; --k)
       for (int x = 0; x < Count; ++x) {
         for (int j = Order; j > 0; --j) sum[j][x] = sum[j][x] * u[x] + sum[j - 1][x];
         sum[0][x] = sum[0][x] * u[x] + coefficient(k, x);
