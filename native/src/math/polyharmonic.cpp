@@ -113,6 +113,52 @@ TRIPATCH_PACKED void PolyharmonicSum::add_odd_terms(const Lane<8>& x, const Lane
 }
 #endif
 
+#ifdef TRIPATCH_PACKS
+/// The derivatives of the same, of four places.
+template <int Order>
+TRIPATCH_PACKED void PolyharmonicSum::add_odd_derivatives(const Lane<lanes>& x, const Lane<lanes>& y,
+                                                          Jets<Lane<lanes>, Order>& sum) const {
+  constexpr int count = (Order + 1) * (Order + 2) / 2;
+  const Pack own_x = loaded(x.data()), own_y = loaded(y.data()), nearest = all_lanes(beside_center * beside_center);
+  Pack total[count][3];
+  for (int d = 0; d < count; ++d)
+    for (int axis = 0; axis < 3; ++axis) total[d][axis] = loaded(sum[d][axis].data());
+  const double* center = centers_.data();
+  for (Index i = 0; i < centers_.rows(); ++i, center += 2) {
+    const Pack dx = own_x - all_lanes(center[0]), dy = own_y - all_lanes(center[1]), square = dx * dx + dy * dy;
+    const auto beside = square < nearest;
+    const Pack apart = beside ? nearest : square, root = __builtin_ia32_sqrtpd256(apart);
+    const Pack a = beside ? all_lanes(beside_center) : dx, b = beside ? all_lanes(0) : dy;
+    Pack lower = root;
+    int power = 1;
+    for (const Term& term : odd_) {
+      const int e = term.exponent;
+      for (; power < e / 2; ++power) lower *= apart;
+      Pack jet[count];
+      Pack slope = all_lanes(e) * lower;
+      jet[0] = lower * square;
+      if (e == 1) {
+        slope = 1 / root;
+        jet[0] = __builtin_ia32_sqrtpd256(square);
+      }
+      jet[1] = slope * dx;
+      jet[2] = slope * dy;
+      if constexpr (Order == 2) {
+        const Pack bent = e == 1 ? -1 / (root * apart) : all_lanes(e * (e - 2)) * lower / apart, bent_a = bent * a;
+        jet[3] = all_lanes(0.5) * (slope + bent_a * a);
+        jet[4] = bent_a * b;
+        jet[5] = all_lanes(0.5) * (slope + bent * b * b);
+      }
+      const double* const w = term.weights.data() + 3 * i;
+      for (int axis = 0; axis < 3; ++axis)
+        for (int d = 0; d < count; ++d) total[d][axis] += all_lanes(w[axis]) * jet[d];
+    }
+  }
+  for (int d = 0; d < count; ++d)
+    for (int axis = 0; axis < 3; ++axis) store(total[d][axis], sum[d][axis].data());
+}
+#endif
+
 template <int Lanes>
 void PolyharmonicSum::values_at(const PlanePoints& at, Index first, double* out) const {
   using Values = Lane<Lanes>;
@@ -158,7 +204,14 @@ void PolyharmonicSum::derivatives_at(const PlanePoints& at, Index first, double*
   const auto [x, y] = lanes_of<Lanes>(at, first);
   Jets<Values, Order> sum = polynomials_at<Values, Order>(x, y);
   const double* const c = centers_.data();
-  for (Index i = 0; i < centers_.rows(); ++i) {
+  bool added = odd_.empty();
+#ifdef TRIPATCH_PACKS
+  if constexpr (Lanes == lanes) {
+    add_odd_derivatives<Order>(x, y, sum);
+    added = true;
+  }
+#endif
+  for (Index i = 0; i < centers_.rows() && !(added && even_.empty()); ++i) {
     const Values dx = x - c[2 * i], dy = y - c[2 * i + 1], square = dx * dx + dy * dy;
     const Values apart = square.max(beside_center * beside_center);
     // slope: of the kernel, over the way from the center; bend: the slope's own, likewise
@@ -180,7 +233,9 @@ void PolyharmonicSum::derivatives_at(const PlanePoints& at, Index first, double*
       }
     };
     Values root = apart.sqrt(), lower = root;  // lower: the kernel over the squared distance
-    for (int power = 1; const Term& term : odd_) {
+    int power = 1;
+    for (const Term& term : odd_) {
+      if (added) break;
       const int e = term.exponent;
       for (; power < e / 2; ++power) lower *= apart;
       const Values& own = lower;
@@ -241,6 +296,13 @@ void PolyharmonicSum::evaluate(const PlanePoints& at, int order, double* out) co
   for (; packs && order == 0 && k + four < at.rows(); k += eight) {
     check_interruption();
     values_at<eight>(at, k, out);
+  }
+  for (; packs && order > 0 && k < at.rows(); k += four) {
+    check_interruption();
+    if (order == 1)
+      derivatives_at<four, 1>(at, k, out);
+    else
+      derivatives_at<four, 2>(at, k, out);
   }
 #endif
   for (; k < at.rows(); k += order > 0 ? two : four) {

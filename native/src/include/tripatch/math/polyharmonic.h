@@ -51,6 +51,8 @@ private:
   template <int Lanes>
   using Lane = Eigen::Array<double, Lanes, 1>;
   void add_odd_terms(const Lane<8>& x, const Lane<8>& y, std::array<Lane<8>, 3>& sum) const;
+  template <int Order>
+  void add_odd_derivatives(const Lane<4>& x, const Lane<4>& y, Jets<Lane<4>, Order>& sum) const;
   template <class Values, class First>
   void add_terms(const std::vector<Term>& terms, const Values& x, const Values& y, const First& first,
                  std::array<Values, 3>& sum) const;
