@@ -6,6 +6,7 @@
 
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/messages.h"
+#include "tripatch/quads/spread.h"
 
 namespace tripatch {
 

@@ -8,6 +8,7 @@
 #include "tripatch/math/canonical_start.h"
 #include "tripatch/polygon/follow.h"
 #include "tripatch/quads/grown_quads.h"
+#include "tripatch/quads/spread.h"
 
 namespace tripatch {
 namespace {

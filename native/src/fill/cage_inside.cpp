@@ -14,6 +14,7 @@
 #include "tripatch/messages.h"
 #include "tripatch/output/polygon_cover.h"
 #include "tripatch/quads/quad_smoothing.h"
+#include "tripatch/quads/spread.h"
 #include "tripatch/spline/plane_patch.h"
 #include "tripatch/types.h"
 

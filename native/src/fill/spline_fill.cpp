@@ -101,17 +101,10 @@ void halve_doubled(const Mesh& mesh, const Connectivity& around, const std::vect
   made.vertices = stacked(made.vertices, middle);
 }
 
-/// The field's deviation at new places of a fill, with what the fill's own has beyond that at the vertex nearest to each.
-Eigen::VectorXd deviation_at(const PlaneFill& made, const PlanePoints& uv, const Points& normals) {
-  Eigen::VectorXd deviation = made.field->deviation(uv, normals);
-  if (made.uv.rows() == 0) return deviation;
-  const Eigen::VectorXd known = made.field->deviation(made.uv, made.normals);
-  for (Index k = 0; k < uv.rows(); ++k) {
-    Index nearest = 0;
-    (made.uv.rowwise() - uv.row(k)).rowwise().squaredNorm().minCoeff(&nearest);
-    if (known[nearest] > 0) deviation[k] *= made.deviation[nearest] / known[nearest];
-  }
-  return deviation;
+/// The deviation at other places of a fill: between that of its vertices.
+Eigen::VectorXd deviation_at(const PlaneFill& made, const PlanePoints& uv) {
+  const Eigen::VectorXd of_rim = made.field->deviation(made.rim_uv, made.surface->normals(as_rows(made.rim_uv)));
+  return PlaneTriangles(made.triangles, stacked(made.rim_uv, made.uv)).carried(uv, stacked(of_rim, made.deviation));
 }
 
 /// Two triangles a quad.
@@ -146,9 +139,8 @@ std::optional<PlaneLayout> brought_into_plane(const PlaneFill& made, std::option
   PlanePoints rim_at(r, 2);
   for (Index k = 0; k < r; ++k) rim_at.row((k + first) % r) = layout->uv.row(k);
   const Index inside = layout->uv.rows() - r;
-  const SpreadTriangles spread(made.triangles, r + made.uv.rows(), rim_at);
-  const PlanePoints plane = stacked(made.rim_uv, made.uv);
-  for (Index k = r; k < r + inside; ++k) layout->uv.row(k) = spread.carried(layout->uv.row(k), plane);
+  const PlaneTriangles spread = spread_triangles(made.triangles, r + made.uv.rows(), rim_at);
+  layout->uv.bottomRows(inside) = spread.carried(layout->uv.bottomRows(inside), stacked(made.rim_uv, made.uv));
   layout->uv.topRows(r) = made.rim_uv;
   for (Index& v : layout->faces.corners)
     if (v < r) v = (v + first) % r;
@@ -189,7 +181,7 @@ std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around
   if (crosses_itself(points, halves_of(cut))) return {};
   const PlanePoints uv = layout->uv.bottomRows(added);
   const Points normals = made.surface->normals(as_rows(uv));
-  made.deviation = deviation_at(made, uv, normals);
+  made.deviation = deviation_at(made, uv);
   made.vertices = points.bottomRows(added);
   made.uv = uv;
   made.normals = normals;

@@ -11,18 +11,6 @@
 namespace tripatch {
 namespace {
 
-/// Over all vertices inside: on the surface, then for the least angle. With half and twice of the first vertices of quads between four to six
-/// sides of a wavy saddle move by up to 1e-3 and 2e-4 of the diameter, of the second by 9e-3 and 4e-3.
-constexpr int sweeps_on_surface = 10, sweeps_of_angles = 20;
-/// These again, while an angle is no good and becomes better. A choice.
-constexpr int max_rounds = 6;
-
-Points surface_rows(const PlanePoints& uv) {
-  Points rows = Points::Zero(uv.rows(), 3);
-  rows.leftCols(2) = uv;
-  return rows;
-}
-
 /// The largest distance of the quads' middles from the patch.
 double middle_deviation(const PlaneLayout& layout, const Points& vertices, const Surface& patch) {
   PlanePoints uv = PlanePoints::Zero(layout.faces.size(), 2);
@@ -34,7 +22,7 @@ double middle_deviation(const PlaneLayout& layout, const Points& vertices, const
       middle.row(f) += share * vertices.row(v);
     }
   }
-  return (patch.positions(surface_rows(uv)) - middle).rowwise().norm().maxCoeff();
+  return (patch.positions(as_rows(uv)) - middle).rowwise().norm().maxCoeff();
 }
 
 /// Squares of a round rim's edges that a quad may cover on average where nobody says how many rows there are. Between quads as large as in a
@@ -96,12 +84,6 @@ std::optional<PlaneLayout> without_middle(PlaneLayout layout, Index middle) {
   return layout;
 }
 
-Points on_surface(const PlaneLayout& layout, const Surface& patch, const Points& border) {
-  Points vertices = patch.positions(surface_rows(layout.uv));
-  vertices.topRows(layout.rim) = border;
-  return vertices;
-}
-
 /// The vertices inside that are nearest to these places, the nearest of all first, each with its place; fewer where there are too few.
 std::vector<std::pair<Index, Vec2>> nearest_inside(const PlaneLayout& layout, std::vector<Vec2> places) {
   std::vector<std::pair<Index, Vec2>> found;
@@ -151,25 +133,6 @@ std::optional<Points> smoothed_at(PlaneLayout& layout, const Surface& patch, con
 
 }  // namespace
 
-Points smoothed_on(PlaneLayout& layout, const Surface& patch, const Points& border, const std::vector<Index>& held) {
-  Points best = on_surface(layout, patch, border);
-  double least = quad_quality(best, layout.faces).least, before = -INFINITY;
-  for (int round = 0; round == 0 || (round < max_rounds && least < min_sine && least > before); ++round) {
-    before = least;
-    for (const auto& [sweeps, sharpening] : {std::array<int, 2>{sweeps_on_surface, 0}, {0, sweeps_of_angles}}) {
-      PlaneLayout trial = layout;
-      smooth_quads(trial, sweeps, sharpening, &patch, &border, held);
-      Points there = on_surface(trial, patch, border);
-      const double now = quad_quality(there, layout.faces).least;
-      if (!(now >= least)) continue;
-      least = now;
-      best = std::move(there);
-      layout = std::move(trial);
-    }
-  }
-  return best;
-}
-
 std::optional<PlaneLayout> disc_layout(Index edges, int rows) {
   PlanePoints rim(edges, 2);
   for (Index k = 0; k < edges; ++k) {
@@ -208,7 +171,7 @@ PlaneCover cover_polygon_with_quads(const PlanePoints& given, const Points& poin
     cover.split = {place, (place + 1) % given.rows()};
     cover.rim_rows.insert(cover.rim_rows.begin() + place + 1, -1);
     rim = with_middle(given, place);
-    border = with_row(points, place, patch.positions(surface_rows(rim.row(place + 1))));
+    border = with_row(points, place, patch.positions(as_rows(rim.row(place + 1))));
     for (RimCorner& corner : corners) corner.place += corner.place > place;
   } else if (odd) {
     cover.warnings.push_back({Code::one_triangle});

@@ -10,6 +10,7 @@
 #include "tripatch/math/lru_cache.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/quads/quad_growth.h"
+#include "tripatch/quads/spread.h"
 
 namespace tripatch {
 namespace {

@@ -10,6 +10,8 @@
 #include "tripatch/math/lru_cache.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/quads/quad_builder.h"
+#include "tripatch/quads/row_widths.h"
+#include "tripatch/quads/spread.h"
 
 namespace tripatch {
 namespace {
@@ -326,16 +328,12 @@ PlaneLayout laid_out(const PlanePoints& rim, const Plan& plan, const Region& reg
   layout.faces = std::move(made.builder.faces);
   layout.uv = PlanePoints::Zero(made.builder.vertex_count(), 2);
   layout.uv.topRows(layout.rim) = rim;
-  std::vector<std::vector<Index>> beside(layout.uv.rows());
-  for (Index f = 0; f < layout.faces.size(); ++f)
-    for (std::size_t k = 0, m = layout.faces[f].size(); k < m; ++k) {
-      beside[layout.faces[f][k]].push_back(layout.faces[f][(k + 1) % m]);
-      beside[layout.faces[f][(k + 1) % m]].push_back(layout.faces[f][k]);
-    }
-  for (Index v = layout.rim; v < layout.uv.rows(); ++v) {
-    std::sort(beside[v].begin(), beside[v].end());
-    if (std::unique(beside[v].begin(), beside[v].end()) - beside[v].begin() != 4) layout.poles.push_back(v);
-  }
+  std::vector<int> valence(layout.uv.rows(), 0);
+  const RowWidths widths(layout.faces, layout.rim);
+  for (const auto& edge : widths.edges())
+    for (const Index v : edge) ++valence[v];
+  for (Index v = layout.rim; v < layout.uv.rows(); ++v)
+    if (valence[v] != 4) layout.poles.push_back(v);
   embed(layout);
   return layout;
 }

@@ -1,42 +1,22 @@
 #include "tripatch/quads/quad_layout.h"
 
-#include <Eigen/Sparse>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "tripatch/quads/quad_builder.h"
+#include "tripatch/quads/row_widths.h"
+#include "tripatch/quads/weighted_means.h"
 
 namespace tripatch {
 namespace {
 
 /// Inside vertices at the mean of their neighbors (Tutte 1963): in a convex triangle no face is turned over.
-void embed(const std::vector<std::vector<Index>>& neighbors, Index rim, const std::vector<Index>& held, Points& barycentric) {
-  const Index n = barycentric.rows();
-  std::vector<Index> unknown(n, -1);
-  Index unknowns = 0;
-  for (Index v = rim; v < n; ++v)
-    if (std::find(held.begin(), held.end(), v) == held.end()) unknown[v] = unknowns++;
-  if (unknowns == 0) return;
-  std::vector<Eigen::Triplet<double>> entries;
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(unknowns, 3);
-  for (Index v = rim; v < n; ++v) {
-    if (unknown[v] < 0) continue;
-    entries.emplace_back(unknown[v], unknown[v], static_cast<double>(neighbors[v].size()));
-    for (Index w : neighbors[v]) {
-      if (unknown[w] >= 0) {
-        entries.emplace_back(unknown[v], unknown[w], -1.0);
-      } else {
-        right.row(unknown[v]) += barycentric.row(w);
-      }
-    }
-  }
-  Eigen::SparseMatrix<double> laplacian(unknowns, unknowns);
-  laplacian.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(laplacian);
-  const Eigen::MatrixXd solution = solver.solve(right);
-  for (Index v = rim; v < n; ++v)
-    if (unknown[v] >= 0) barycentric.row(v) = solution.row(unknown[v]) / solution.row(unknown[v]).sum();
+void embed(const std::vector<NetEdge>& edges, Index rim, const std::vector<Index>& held, Points& barycentric) {
+  std::vector<bool> fixed = first_rows(rim, barycentric.rows());
+  for (Index v : held) fixed[v] = true;
+  to_weighted_means(edges, fixed, barycentric);
+  for (Index v = rim; v < barycentric.rows(); ++v)
+    if (!fixed[v]) barycentric.row(v) /= barycentric.row(v).sum();
 }
 
 /// The smallest corner of the faces, as twice the signed area in barycentric coordinates.
@@ -80,23 +60,19 @@ QuadLayout quad_layout(const std::array<std::vector<double>, 3>& parameters, int
   layout.faces = builder.faces;
 
   const Index n = builder.vertex_count();
-  std::vector<std::vector<Index>> neighbors(n);
-  for (Index f = 0; f < layout.faces.size(); ++f) {
-    const auto face = layout.faces[f];
-    for (std::size_t k = 0; k < face.size(); ++k) {
-      const Index a = face[k], b = face[(k + 1) % face.size()];
-      neighbors[a].push_back(b);
-      neighbors[b].push_back(a);
-    }
+  std::vector<NetEdge> edges;
+  std::vector<int> valence(n, 0);
+  const RowWidths widths(layout.faces, layout.rim);
+  for (const auto& [a, b] : widths.edges()) {
+    edges.push_back({a, b});
+    ++valence[a];
+    ++valence[b];
   }
-  for (Index v = 0; v < n; ++v) {
-    std::sort(neighbors[v].begin(), neighbors[v].end());
-    neighbors[v].erase(std::unique(neighbors[v].begin(), neighbors[v].end()), neighbors[v].end());
-    if (v >= layout.rim && neighbors[v].size() != 4) layout.poles.push_back(v);
-  }
+  for (Index v = layout.rim; v < n; ++v)
+    if (valence[v] != 4) layout.poles.push_back(v);
   layout.barycentric = Points::Zero(n, 3);
   for (Index v = 0; v < layout.rim; ++v) layout.barycentric.row(v) = rim[v];
-  embed(neighbors, layout.rim, {}, layout.barycentric);
+  embed(edges, layout.rim, {}, layout.barycentric);
 
   // The poles move together, as far as no face turns over.
   Vec3 shift(-pole_offset[0] - pole_offset[1] / std::sqrt(3.0), pole_offset[0] - pole_offset[1] / std::sqrt(3.0),
@@ -104,7 +80,7 @@ QuadLayout quad_layout(const std::array<std::vector<double>, 3>& parameters, int
   for (int attempt = 0; attempt < 8 && shift.norm() > 0 && !layout.poles.empty(); ++attempt, shift *= 0.5) {
     Points moved = layout.barycentric;
     for (Index v : layout.poles) moved.row(v) += shift;
-    embed(neighbors, layout.rim, layout.poles, moved);
+    embed(edges, layout.rim, layout.poles, moved);
     if (moved.minCoeff() >= 0 && smallest_corner(layout.faces, moved) > 0) {
       layout.barycentric = moved;
       break;

@@ -1,28 +1,23 @@
 #include "tripatch/quads/quad_smoothing.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/Sparse>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <numeric>
 #include <optional>
 
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/simd.h"
-#include "tripatch/math/sparse_ldlt.h"
+#include "tripatch/quads/corner_costs.h"
+#include "tripatch/quads/row_widths.h"
 
 namespace tripatch {
 namespace {
 
+using namespace corner_costs;
+
 // Other numbers were tried on quads between four, five and six sides of a wavy saddle. Reported is by how much of the diameter a vertex of
 // one of them moves at most; "0" says that no vertex does.
-/// Distortions count with this power: high enough for the worst corner to lead, low enough for Newton's steps to converge (5e-4 with 2).
-constexpr int distortion_power = 3;
-/// In the end the least angle leads: (1 / sin)^2 counts with this power (of two), and next to it how even the spacing is.
-constexpr int sharp_power = 8;
-constexpr double spacing = 0.25;  ///< weight of the evenness, a choice
 /// Of the shortest edge at a vertex: no step is longer, beyond it the surface's second order says little (0 with half).
 constexpr double longest_step = 0.4;
 /// Of the larger eigenvalue of a Hessian: where the smaller one is less it becomes that share (0 with a tenth, 0 with half).
@@ -30,6 +25,8 @@ constexpr double min_convex = 1e-3, made_convex = 0.1;
 constexpr int halvings = 6;  ///< of a Newton step that makes things worse, before it is left out (0 with three)
 /// Between two evaluations of the surface, whose second order is good for small moves (5e-5 with two).
 constexpr int sweeps_a_metric = 5;
+/// Of the shortest edge at a vertex: one that is no farther from where the surface was evaluated is not evaluated again.
+constexpr double near_enough = 0.05;
 /// Of a mean corner's area: below it a corner counts as turned over and is pulled back by a smooth bound of that size (0 with a tenth).
 constexpr double min_area = 1e-3;
 
@@ -38,254 +35,94 @@ constexpr int sweeps_of_trials = 4, angles_of_trials = 5;
 /// What an irregular vertex may cost the least scaled Jacobian: below that one more is not worth it.
 constexpr double pole_price = 0.02, mean_weight = 0.3;
 
-double square(double x) { return x * x; }
-
-using Edge = std::array<Index, 2>;
-Edge edge_of(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
-
-/// Widths of rows of quads: of each edge that of the row that it lies across.
-class RowWidths {
-public:
-  /// round: of rows that go round and have no ends; none: the mean length of their edges.
-  RowWidths(const Faces& faces, Index rim_count, const Points& positions, std::optional<double> round = {}) {
-    for (Index f = 0; f < faces.size(); ++f) {
-      check_interruption();
-      for (std::size_t k = 0, m = faces[f].size(); k < m; ++k) number(edge_of(faces[f][k], faces[f][(k + 1) % m]));
-    }
-    std::vector<Index> root(number_.size());
-    std::iota(root.begin(), root.end(), Index{0});
-    const auto find = [&](Index e) {
-      while (root[e] != e) e = root[e] = root[root[e]];
-      return e;
-    };
-    for (Index f = 0; f < faces.size(); ++f) {
-      const auto q = faces[f];
-      if (q.size() != 4) continue;
-      for (int k : {0, 1}) root[find(number(edge_of(q[k], q[k + 1])))] = find(number(edge_of(q[k + 2], q[(k + 3) % 4])));
-    }
-    std::vector<double> sum(root.size(), 0), all(root.size(), 0);
-    std::vector<Index> ends(root.size(), 0), edges(root.size(), 0);
-    for (const auto& [edge, e] : number_) {
-      const double length = (positions.row(edge[0]) - positions.row(edge[1])).norm();
-      const bool rim = edge[1] < rim_count && (edge[1] - edge[0] == 1 || edge[1] - edge[0] == rim_count - 1);
-      const Index row = find(e);
-      all[row] += length;
-      ++edges[row];
-      if (!rim) continue;
-      sum[row] += std::log(length);
-      ++ends[row];
-    }
-    width_.resize(root.size());
-    for (std::size_t e = 0; e < root.size(); ++e) {
-      const Index row = find(static_cast<Index>(e));
-      width_[e] = ends[row] > 0 ? std::exp(sum[row] / static_cast<double>(ends[row]))
-                                : round.value_or(all[row] / static_cast<double>(edges[row]));
-    }
-  }
-
-  double at(Index a, Index b) const { return width_[number_.at(edge_of(a, b))]; }
-  const std::map<Edge, Index>& edges() const { return number_; }
-  double width(Index e) const { return width_[e]; }
-
-private:
-  Index number(const Edge& edge) { return number_.try_emplace(edge, static_cast<Index>(number_.size())).first->second; }
-  std::map<Edge, Index> number_;
-  std::vector<double> width_;
-};
-
-Points in_plane(const PlanePoints& uv) {
-  Points rows = Points::Zero(uv.rows(), 3);
-  rows.leftCols(2) = uv;
-  return rows;
-}
-
-/// A function of two variables to second order about a place: its value, by u, by v, and the halves of uu, all of uv and of vv. As Jet<2>
-/// to the last bit, but inlined, and what does not change is a number: Newton's steps are nearly all of the time that quads take.
-struct Second {
-  double value = 0, u = 0, v = 0, uu = 0, uv = 0, vv = 0;
-
-  [[gnu::always_inline]] friend inline Second operator+(const Second& a, const Second& b) {
-    return {a.value + b.value, a.u + b.u, a.v + b.v, a.uu + b.uu, a.uv + b.uv, a.vv + b.vv};
-  }
-  [[gnu::always_inline]] friend inline Second operator-(const Second& a, const Second& b) {
-    return {a.value - b.value, a.u - b.u, a.v - b.v, a.uu - b.uu, a.uv - b.uv, a.vv - b.vv};
-  }
-  [[gnu::always_inline]] friend inline Second operator+(Second a, double b) {
-    a.value += b;
-    return a;
-  }
-  [[gnu::always_inline]] friend inline Second operator+(double b, const Second& a) { return a + b; }
-  [[gnu::always_inline]] friend inline Second operator*(double s, const Second& a) {
-    return {s * a.value, s * a.u, s * a.v, s * a.uu, s * a.uv, s * a.vv};
-  }
-  [[gnu::always_inline]] friend inline Second operator*(const Second& a, double s) { return s * a; }
-  [[gnu::always_inline]] friend inline Second operator*(const Second& a, const Second& b) {
-    return {a.value * b.value,
-            a.value * b.u + a.u * b.value,
-            a.value * b.v + a.v * b.value,
-            a.value * b.uu + a.u * b.u + a.uu * b.value,
-            a.value * b.uv + a.u * b.v + a.v * b.u + a.uv * b.value,
-            a.value * b.vv + a.v * b.v + a.vv * b.value};
-  }
-  /// f(a) by f, f' and f''/2 at a's value.
-  [[gnu::always_inline]] friend inline Second composed(const std::array<double, 3>& f, const Second& a) {
-    const double u = f[2] * a.u, v = f[2] * a.v;
-    return {f[0], f[1] * a.u, f[1] * a.v, f[1] * a.uu + u * a.u, f[1] * a.uv + u * a.v + v * a.u, f[1] * a.vv + v * a.v};
-  }
-};
-
-[[gnu::always_inline]] inline Second one_over(const Second& a) {
-  const double f = 1 / a.value, slope = -f * f;
-  return composed({f, slope, -slope * f}, a);
-}
-Second root_of(const Second& a) {
-  const double f = std::sqrt(a.value), slope = f * 0.5 / a.value;
-  return composed({f, slope, slope * -0.5 / (2 * a.value)}, a);
-}
-double root_of(double x) { return std::sqrt(x); }
-[[gnu::always_inline]] inline Second ratio(const Second& a, const Second& b) { return a * one_over(b); }
-Second ratio(const Second& a, double b) { return a * (1 / b); }
-Second ratio(double a, const Second& b) { return a * one_over(b); }
-double ratio(double a, double b) { return a / b; }
-
-#ifdef TRIPATCH_PACKS
-/// The same of four corners at a time, in the same order of operations and with nothing fused: to the last bit. Written again, for what is
-/// inlined must be marked for these machines, or it is taken apart into halves before it gets there.
-namespace packed {
-
-struct Second {
-  Pack value, u, v, uu, uv, vv;
-
-  TRIPATCH_PACKED_INLINE friend Second operator+(const Second& a, const Second& b) {
-    return {a.value + b.value, a.u + b.u, a.v + b.v, a.uu + b.uu, a.uv + b.uv, a.vv + b.vv};
-  }
-  TRIPATCH_PACKED_INLINE friend Second operator-(const Second& a, const Second& b) {
-    return {a.value - b.value, a.u - b.u, a.v - b.v, a.uu - b.uu, a.uv - b.uv, a.vv - b.vv};
-  }
-  TRIPATCH_PACKED_INLINE friend Second operator+(const Second& a, const Pack& b) {
-    return {a.value + b, a.u, a.v, a.uu, a.uv, a.vv};
-  }
-  TRIPATCH_PACKED_INLINE friend Second operator+(const Pack& b, const Second& a) { return a + b; }
-  TRIPATCH_PACKED_INLINE friend Second operator*(const Pack& s, const Second& a) {
-    return {s * a.value, s * a.u, s * a.v, s * a.uu, s * a.uv, s * a.vv};
-  }
-  TRIPATCH_PACKED_INLINE friend Second operator*(const Second& a, const Pack& s) { return s * a; }
-  TRIPATCH_PACKED_INLINE friend Second operator*(const Second& a, const Second& b) {
-    return {a.value * b.value,
-            a.value * b.u + a.u * b.value,
-            a.value * b.v + a.v * b.value,
-            a.value * b.uu + a.u * b.u + a.uu * b.value,
-            a.value * b.uv + a.u * b.v + a.v * b.u + a.uv * b.value,
-            a.value * b.vv + a.v * b.v + a.vv * b.value};
-  }
-};
-
-TRIPATCH_PACKED_INLINE Pack one_over(const Pack& x) { return 1 / x; }
-TRIPATCH_PACKED_INLINE Second one_over(const Second& a) {
-  const Pack f = 1 / a.value, slope = -f * f, bend = -slope * f, u = bend * a.u, v = bend * a.v;
-  return {f, slope * a.u, slope * a.v, slope * a.uu + u * a.u, slope * a.uv + u * a.v + v * a.u, slope * a.vv + v * a.v};
-}
-TRIPATCH_PACKED_INLINE Pack ratio(const Pack& a, const Pack& b) { return a / b; }
-template <class A, class B>
-TRIPATCH_PACKED_INLINE auto ratio(const A& a, const B& b) {
-  return a * one_over(b);
-}
-
-template <class T>
-struct Arm {
-  T to[3];
-  T square;
-};
-template <class T>
-TRIPATCH_PACKED_INLINE Arm<T> arm_of(const T (&to)[3]) {
-  return {{to[0], to[1], to[2]}, to[0] * to[0] + to[1] * to[1] + to[2] * to[2]};
-}
-/// Each lane of its own scale.
-TRIPATCH_PACKED_INLINE Arm<Pack> arm_between(const Pack& scale, const Pack (&from)[3], const Pack (&to)[3]) {
-  const Pack way[3] = {scale * (to[0] - from[0]), scale * (to[1] - from[1]), scale * (to[2] - from[2])};
-  return arm_of(way);
-}
-/// From where a vertex moves.
-TRIPATCH_PACKED_INLINE Second way_from(const Pack& scale, const Second& moving, const Pack& to) {
-  return scale * Second{to - moving.value, -moving.u, -moving.v, -moving.uu, -moving.uv, -moving.vv};
-}
-TRIPATCH_PACKED_INLINE Arm<Second> arm_from(const Pack& scale, const Second (&moving)[3], const Pack (&to)[3]) {
-  const Second way[3] = {way_from(scale, moving[0], to[0]), way_from(scale, moving[1], to[1]), way_from(scale, moving[2], to[2])};
-  return arm_of(way);
-}
-TRIPATCH_PACKED_INLINE Arm<Second> backwards(const Arm<Second>& arm) {
-  const Pack minus = all_lanes(-1);
-  return {{minus * arm.to[0], minus * arm.to[1], minus * arm.to[2]}, arm.square};
-}
-
-/// As Smoother's, between edges of quads none of which is turned over.
-template <class A, class B>
-TRIPATCH_PACKED_INLINE auto distortion(const Pack (&n)[3], const Arm<A>& next, const Arm<B>& last, bool in_space, bool sharp) {
-  const auto &a = next.to, &b = last.to;
-  auto area = a[0] * b[1] - a[1] * b[0];
-  if (in_space) area = n[0] * (a[1] * b[2] - a[2] * b[1]) + n[1] * (a[2] * b[0] - a[0] * b[2]) + n[2] * area;
-  if (sharp) {
-    auto power = ratio(next.square * last.square, area * area);
-    for (int k = 1; k < sharp_power; k *= 2) power = power * power;
-    const auto shape = ratio(next.square, last.square);
-    return power + all_lanes(spacing) * (shape + one_over(shape));
-  }
-  const auto once = all_lanes(0.5) * ratio(next.square + last.square, area);
-  auto power = once;
-  for (int k = 1; k < distortion_power; ++k) power = power * once;
-  return power;
-}
-
-}  // namespace packed
-#endif
-
-template <class T>
-using Vector = std::array<T, 3>;
-template <class A, class B>
-auto dot(const Vector<A>& a, const Vector<B>& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+/// Over all vertices inside: on the surface, then for the least angle. With half and twice of the first vertices of quads between four to six
+/// sides of a wavy saddle move by up to 1e-3 and 2e-4 of the diameter, of the second by 9e-3 and 4e-3.
+constexpr int sweeps_on_surface = 10, sweeps_of_angles = 20;
+/// These again, while an angle is no good and becomes better. A choice.
+constexpr int max_rounds = 6;
 
 /// Moves vertices one after the other.
 class Smoother {
 public:
-  Smoother(PlaneLayout& layout, const Surface* surface, const Points* border, const std::vector<Index>& held)
+  using Taylor = Eigen::Matrix<double, 6, 3, Eigen::RowMajor>;
+  /// What moves.
+  struct State {
+    PlanePoints uv, base;  ///< where the vertices are, and where the surface was evaluated for them
+    std::vector<Taylor> taylor;
+    std::vector<Vec3> normal, x;
+  };
+
+  Smoother(const PlaneLayout& layout, const Surface* surface, const Points* border, const std::vector<Index>& held)
       : layout_(layout),
         surface_(surface),
         border_(border),
+        widths_(layout.faces, layout.rim),
         at_(layout.uv.rows()),
         beside_(layout.uv.rows()),
-        held_(layout.uv.rows(), false) {
+        shortest_(layout.uv.rows(), 0),
+        held_(layout.uv.rows(), false),
+        beside_triangle_(layout.uv.rows(), false) {
     for (Index v : held) held_[v] = true;
+    state_.uv = layout.uv;
     read_surface();
-    const RowWidths widths(layout.faces, layout.rim, positions());
     for (Index f = 0; f < layout.faces.size(); ++f) {
-      check_interruption();
       const auto face = layout.faces[f];
       const std::size_t m = face.size();
       for (std::size_t k = 0; k < m; ++k) {
-        const Index v = face[k], next = face[(k + 1) % m], last = face[(k + m - 1) % m];
-        const Corner corner = {{v, next, last}, 1 / widths.at(v, next), 1 / widths.at(v, last), m == 3};
-        for (int is = 0; is < 3; ++is)
+        const Corner corner = {{face[k], face[(k + 1) % m], face[(k + m - 1) % m]}, 0, 0, m == 3};
+        for (int is = 0; is < 3; ++is) {
           if (corner.v[is] >= layout.rim) at_[corner.v[is]].push_back(own(corner, is));
+          if (m == 3) beside_triangle_[corner.v[is]] = true;
+        }
         corners_.push_back(corner);
       }
     }
     for (std::vector<Own>& all : at_)
       std::stable_sort(all.begin(), all.end(), [](const Own& a, const Own& b) { return a.is < b.is; });
+    read_widths();
   }
 
-  void run(int sweeps, int sharpening) {
-    for (int sweep = 0; sweep < sweeps + sharpening; ++sweep) {
+  /// Of the rows as they are now.
+  void read_widths() {
+    widths_.measure(positions());
+    for (Index f = 0; f < layout_.faces.size(); ++f) {
+      const Index from = layout_.faces.offsets[f], to = layout_.faces.offsets[f + 1];
+      for (Index c = from; c < to; ++c) {
+        corners_[c].next = 1 / widths_.beginning_at(c);
+        corners_[c].last = 1 / widths_.beginning_at(c > from ? c - 1 : to - 1);
+      }
+    }
+    for (std::size_t v = 0; v < at_.size(); ++v)
+      for (const Own& own : at_[v]) {
+        const Corner& corner = corners_[own.corner];
+        if (own.is < 2) beside_[v][own.next].scale = corner.next;
+        if (own.is != 1) beside_[v][own.last].scale = corner.last;
+      }
+  }
+
+  /// sharp: the least angle leads.
+  void run(int sweeps, bool sharp) {
+    if (state_.uv.rows() == layout_.rim) return;
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
       check_interruption();
-      if (surface_ && sweep > 0 && sweep % sweeps_a_metric == 0) read_surface();
+      if (sweep % sweeps_a_metric == 0) read_surface();
       bound_ = 0;
       for (const Corner& corner : corners_)
         if (area(corner) < min_area) bound_ = min_area;
-      sharp_ = sweep >= sweeps && bound_ == 0;
-      for (Index v = layout_.rim; v < layout_.uv.rows(); ++v)
+      sharp_ = sharp && bound_ == 0;
+      for (Index v = layout_.rim; v < state_.uv.rows(); ++v)
         if (!held_[v]) move(v);
     }
+  }
+
+  const State& state() const { return state_; }
+  void restore(State state) { state_ = std::move(state); }
+
+  /// By the surface's second order about where it was evaluated.
+  Points positions() const {
+    Points all(static_cast<Index>(state_.x.size()), 3);
+    for (std::size_t v = 0; v < state_.x.size(); ++v) all.row(static_cast<Index>(v)) = state_.x[v];
+    return all;
   }
 
 private:
@@ -304,59 +141,71 @@ private:
     Index vertex;
     double scale;  ///< one over the width of the edge to it
   };
-  using Taylor = Eigen::Matrix<double, 6, 3, Eigen::RowMajor>;
 
   Own own(const Corner& corner, int is) {
     const Index c = static_cast<Index>(corners_.size()), v = corner.v[is];
-    if (is == 0) return {c, is, arm_to(v, corner.v[1], corner.next), arm_to(v, corner.v[2], corner.last)};
-    const std::size_t arm = arm_to(v, corner.v[0], is == 1 ? corner.next : corner.last);
+    if (is == 0) return {c, is, arm_to(v, corner.v[1]), arm_to(v, corner.v[2])};
+    const std::size_t arm = arm_to(v, corner.v[0]);
     return {c, is, arm, arm};
   }
   /// The place of a neighbor among those of a vertex.
-  std::size_t arm_to(Index v, Index neighbor, double scale) {
+  std::size_t arm_to(Index v, Index neighbor) {
     std::vector<Beside>& all = beside_[v];
     const auto found = std::find_if(all.begin(), all.end(), [&](const Beside& each) { return each.vertex == neighbor; });
     const std::size_t place = static_cast<std::size_t>(found - all.begin());
-    if (found == all.end()) all.push_back({neighbor, scale});
+    if (found == all.end()) all.push_back({neighbor, 0});
     return place;
   }
 
-  /// The surface about the vertices; what does not move, those of the rim, the first time only.
+  /// The surface about the vertices that are not near where it was evaluated for them; for all the first time.
   void read_surface() {
-    const Index n = layout_.uv.rows(), first = taylor_.empty() ? 0 : layout_.rim;
-    taylor_.resize(n, Taylor::Zero());
-    normal_.resize(n, Vec3::UnitZ());
-    x_.resize(n);
-    base_ = layout_.uv;
-    const Points rows = in_plane(layout_.uv.bottomRows(n - first));
+    const Index n = state_.uv.rows();
+    const bool first = state_.taylor.empty();
+    std::vector<Index> away;
+    for (Index v = first ? 0 : layout_.rim; v < n; ++v) {
+      if (!first) {
+        const Vec2 d = state_.uv.row(v) - state_.base.row(v);
+        const double moved = (state_.taylor[v].row(1) * d[0] + state_.taylor[v].row(2) * d[1]).norm();
+        if (!surface_ || !(moved > near_enough * shortest_[v])) continue;
+      }
+      away.push_back(v);
+    }
+    if (first) {
+      state_.taylor.resize(n, Taylor::Zero());
+      state_.normal.resize(n, Vec3::UnitZ());
+      state_.x.resize(n);
+      state_.base = state_.uv;
+    }
+    const Points rows = as_rows(state_.uv(away, Eigen::all));
+    std::vector<Taylor> read(away.size(), Taylor::Zero());
     if (surface_) {
-      surface_->evaluate(rows.data(), n - first, 2, taylor_[first].data());
-      for (Index v = first; v < n; ++v) normal_[v] = Vec3(taylor_[v].row(1)).cross(Vec3(taylor_[v].row(2))).stableNormalized();
-      for (Index v = first; border_ && v < layout_.rim; ++v) taylor_[v].row(0) = border_->row(v);
+      surface_->evaluate(rows.data(), rows.rows(), 2, read.data()->data());
     } else {
-      for (Index v = first; v < n; ++v) {
-        taylor_[v].row(0) = rows.row(v - first);
-        taylor_[v].row(1) = Vec3::UnitX();
-        taylor_[v].row(2) = Vec3::UnitY();
+      for (std::size_t k = 0; k < read.size(); ++k) {
+        read[k].row(0) = rows.row(static_cast<Index>(k));
+        read[k].row(1) = Vec3::UnitX();
+        read[k].row(2) = Vec3::UnitY();
       }
     }
-    for (Index v = first; v < n; ++v) x_[v] = taylor_[v].row(0);
-  }
-
-  Points positions() const {
-    Points all(static_cast<Index>(x_.size()), 3);
-    for (std::size_t v = 0; v < x_.size(); ++v) all.row(static_cast<Index>(v)) = x_[v];
-    return all;
+    for (std::size_t k = 0; k < away.size(); ++k) {
+      const Index v = away[k];
+      if (surface_) state_.normal[v] = Vec3(read[k].row(1)).cross(Vec3(read[k].row(2))).stableNormalized();
+      if (surface_ && border_ && v < layout_.rim) read[k].row(0) = border_->row(v);
+      state_.taylor[v] = read[k];
+      state_.base.row(v) = state_.uv.row(v);
+      state_.x[v] = read[k].row(0);
+    }
   }
 
   Vec3 position(Index v, const Eigen::Vector2d& d) const {
     Eigen::Matrix<double, 1, 6> powers;
     powers << 1, d[0], d[1], d[0] * d[0], d[0] * d[1], d[1] * d[1];
-    return (powers * taylor_[v]).transpose();
+    return (powers * state_.taylor[v]).transpose();
   }
 
   double area(const Corner& c) const {
-    return c.next * c.last * normal_[c.v[0]].dot((x_[c.v[1]] - x_[c.v[0]]).cross(x_[c.v[2]] - x_[c.v[0]]));
+    return c.next * c.last *
+           state_.normal[c.v[0]].dot((state_.x[c.v[1]] - state_.x[c.v[0]]).cross(state_.x[c.v[2]] - state_.x[c.v[0]]));
   }
 
   /// An edge of a corner over its row's width, and the square of its length.
@@ -383,7 +232,7 @@ private:
   /// 1 for a right angle between edges as long as their rows are wide (a triangle: equal ones), infinite where it is flat; a power.
   template <class A, class B>
   auto distortion(const Corner& corner, const Arm<A>& next, const Arm<B>& last) const {
-    auto area = area_between(normal_[corner.v[0]], next.to, last.to);
+    auto area = area_between(state_.normal[corner.v[0]], next.to, last.to);
     using T = decltype(area);
     if (sharp_) {
       if (corner.triangle) area = (2 / std::sqrt(3.0)) * area;  // of two equal edges: 1 for 60 degrees
@@ -405,8 +254,7 @@ private:
   /// Whether the corners at a vertex can be looked at by fours: all of quads, none turned over.
   bool in_packs(Index v) const {
     static const bool are_there = __builtin_cpu_supports("avx2");
-    return are_there && bound_ == 0 &&
-           std::ranges::none_of(at_[v], [&](const Own& own) { return corners_[own.corner].triangle; });
+    return are_there && bound_ == 0 && !beside_triangle_[v];
   }
 
   /// Up to four corners at a vertex which see it alike; beyond the last it again.
@@ -450,10 +298,10 @@ private:
       const Four four = four_from(all, first);
       const Pack next = next_scales(four), last = last_scales(four);
       Pack normal[3], own[3], one[3], other[3];
-      gather(four, 0, normal_, normal);
-      gather(four, 0, x_, own);
-      gather(four, 1, x_, one);
-      gather(four, 2, x_, other);
+      gather(four, 0, state_.normal, normal);
+      gather(four, 0, state_.x, own);
+      gather(four, 1, state_.x, one);
+      gather(four, 2, state_.x, other);
       packed::Second found;
       if (four.is == 0) {
         found =
@@ -478,8 +326,8 @@ private:
     for (std::size_t first = 0; first < all.size();) {
       const Four four = four_from(all, first);
       Pack normal[3], at[3][3];
-      gather(four, 0, normal_, normal);
-      for (int k = 0; k < 3; ++k) gather(four, k, x_, at[k]);
+      gather(four, 0, state_.normal, normal);
+      for (int k = 0; k < 3; ++k) gather(four, k, state_.x, at[k]);
       for (int axis = 0; axis < 3; ++axis) at[four.is][axis] = all_lanes(x[axis]);
       const Pack found = packed::distortion(normal, packed::arm_between(next_scales(four), at[0], at[1]),
                                             packed::arm_between(last_scales(four), at[0], at[2]), surface_ != nullptr, sharp_);
@@ -498,7 +346,7 @@ private:
     if (in_packs(v)) return cost_in_packs(v, x);
 #endif
     double sum = 0;
-    const auto place = [&](Index w) -> const Vec3& { return w == v ? x : x_[w]; };
+    const auto place = [&](Index w) -> const Vec3& { return w == v ? x : state_.x[w]; };
     for (const Own& own : at_[v]) {
       const Corner& corner = corners_[own.corner];
       const Vec3& at = place(corner.v[0]);
@@ -516,7 +364,7 @@ private:
       const auto& [w, scale] = beside_[v][k];
       for (int x = 0; x < 3; ++x) {
         const Second& m = moving[x];
-        arms_[k].to[x] = scale * Second{x_[w][x] - m.value, -m.u, -m.v, -m.uu, -m.uv, -m.vv};
+        arms_[k].to[x] = scale * Second{state_.x[w][x] - m.value, -m.u, -m.v, -m.uu, -m.uv, -m.vv};
       }
       arms_[k].square = dot(arms_[k].to, arms_[k].to);
     }
@@ -524,7 +372,7 @@ private:
 
   Second distortion_of(const Own& own) const {
     const Corner& corner = corners_[own.corner];
-    const auto place = [&](int k) -> const Vec3& { return x_[corner.v[k]]; };
+    const auto place = [&](int k) -> const Vec3& { return state_.x[corner.v[k]]; };
     if (own.is == 0) return distortion(corner, arms_[own.next], arms_[own.last]);
     if (own.is == 1) return distortion(corner, backwards(arms_[own.next]), arm(corner.last, place(0), place(2)));
     return distortion(corner, arm(corner.next, place(0), place(1)), backwards(arms_[own.last]));
@@ -543,11 +391,11 @@ private:
 
   void move(Index v) {
     check_interruption();
-    const Eigen::Vector2d d = (layout_.uv.row(v) - base_.row(v)).transpose();
-    const Taylor& t = taylor_[v];
+    const Eigen::Vector2d d = (state_.uv.row(v) - state_.base.row(v)).transpose();
+    const Taylor& t = state_.taylor[v];
     Vector<Second> moving;
     for (int k = 0; k < 3; ++k)
-      moving[k] = {x_[v][k],
+      moving[k] = {state_.x[v][k],
                    t(1, k) + 2 * d[0] * t(3, k) + d[1] * t(4, k),
                    t(2, k) + d[0] * t(4, k) + 2 * d[1] * t(5, k),
                    t(3, k),
@@ -566,94 +414,64 @@ private:
     double shortest = INFINITY;
     for (const Own& own : at_[v])
       for (Index w : corners_[own.corner].v)
-        if (w != v) shortest = std::min(shortest, (x_[w] - x_[v]).squaredNorm());
-    shortest = std::sqrt(shortest);
+        if (w != v) shortest = std::min(shortest, (state_.x[w] - state_.x[v]).squaredNorm());
+    shortest_[v] = shortest = std::sqrt(shortest);
     const double length = (t.row(1) * step[0] + t.row(2) * step[1]).norm();
     if (length > longest_step * shortest) step *= longest_step * shortest / length;
     for (int half = 0; half < halvings; ++half, step *= 0.5) {
       const Vec3 there = position(v, d + step);
       if (!(cost_at(v, there) < sum.value)) continue;
-      layout_.uv.row(v) += step.transpose();
-      x_[v] = there;
+      state_.uv.row(v) += step.transpose();
+      state_.x[v] = there;
       return;
     }
   }
 
-  PlaneLayout& layout_;
+  const PlaneLayout& layout_;
   const Surface* surface_;
   const Points* border_;
+  RowWidths widths_;
   std::vector<std::vector<Own>> at_;         // of each vertex inside
   std::vector<std::vector<Beside>> beside_;  // likewise
+  std::vector<double> shortest_;             // edge of each vertex inside
   std::vector<Arm<Second>> arms_;            // of the vertex that moves
-  std::vector<bool> held_;
+  std::vector<bool> held_, beside_triangle_;
   std::vector<Corner> corners_;
-  std::vector<Taylor> taylor_;
-  std::vector<Vec3> normal_, x_;
-  PlanePoints base_;
+  State state_;
   double bound_ = 0;
   bool sharp_ = false;
 };
 
 }  // namespace
 
-QuadQuality quad_quality(const PointsRef& points, const Faces& faces) {
-  QuadQuality quality;
-  double sum = 0;
-  Index count = 0;
-  for (Index f = 0; f < faces.size(); ++f) {
-    const auto face = faces[f];
-    const std::size_t m = face.size();
-    const auto at = [&](std::size_t k) { return Vec3(points.row(face[k % m])); };
-    const Vec3 normal = m == 3 ? (at(1) - at(0)).cross(at(2) - at(0)).stableNormalized()
-                               : (at(2) - at(0)).cross(at(3) - at(1)).stableNormalized();
-    for (std::size_t k = 0; m == 4 && k < m; ++k) {
-      const double sine = normal.dot((at(k + 1) - at(k)).stableNormalized().cross((at(k + m - 1) - at(k)).stableNormalized()));
-      quality.least = std::min(quality.least, sine);
-      sum += sine;
-      ++count;
-    }
-  }
-  if (count > 0) quality.mean = sum / static_cast<double>(count);
-  return quality;
-}
-
-void spread_inside(const Faces& faces, Index rim, Points& rows) {
-  const Index unknowns = rows.rows() - rim;
-  if (unknowns == 0) return;
-  double mean = 0;
-  for (Index k = 0; k < rim; ++k) mean += (rows.row(k) - rows.row((k + 1) % rim)).norm() / static_cast<double>(rim);
-  const RowWidths widths(faces, rim, rows, mean);
-  std::vector<Eigen::Triplet<double>> entries;
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(unknowns, 3);
-  for (const auto& [edge, e] : widths.edges()) {
-    const double weight = square(mean / widths.width(e));
-    for (const auto& [a, b] : {std::pair(edge[0], edge[1]), std::pair(edge[1], edge[0])}) {
-      if (a < rim) continue;
-      entries.emplace_back(a - rim, a - rim, weight);
-      if (b < rim) {
-        right.row(a - rim) += weight * rows.row(b);
-      } else {
-        entries.emplace_back(a - rim, b - rim, -weight);
-      }
-    }
-  }
-  Eigen::SparseMatrix<double> laplacian(unknowns, unknowns);
-  laplacian.setFromTriplets(entries.begin(), entries.end());
-  SparseLdlt solver;
-  solver.analyzePattern(laplacian);
-  solver.factorize(laplacian);
-  rows.bottomRows(unknowns) = solver.solve(right);
-}
-
-void embed(PlaneLayout& layout) {
-  Points rows = in_plane(layout.uv);
-  spread_inside(layout.faces, layout.rim, rows);
-  layout.uv = rows.leftCols(2);
-}
-
 void smooth_quads(PlaneLayout& layout, int sweeps, int sharpening, const Surface* surface, const Points* border,
                   const std::vector<Index>& held) {
-  if (layout.uv.rows() > layout.rim) Smoother(layout, surface, border, held).run(sweeps, sharpening);
+  Smoother smoother(layout, surface, border, held);
+  smoother.run(sweeps, false);
+  smoother.run(sharpening, true);
+  layout.uv = smoother.state().uv;
+}
+
+Points smoothed_on(PlaneLayout& layout, const Surface& surface, const Points& border, const std::vector<Index>& held) {
+  Smoother smoother(layout, &surface, &border, held);
+  double least = quad_quality(smoother.positions(), layout.faces).least, before = -INFINITY;
+  for (int round = 0; round == 0 || (round < max_rounds && least < min_sine && least > before); ++round) {
+    before = least;
+    for (const bool sharp : {false, true}) {
+      const Smoother::State kept = smoother.state();
+      smoother.read_widths();
+      smoother.run(sharp ? sweeps_of_angles : sweeps_on_surface, sharp);
+      const double now = quad_quality(smoother.positions(), layout.faces).least;
+      if (now >= least)
+        least = now;
+      else
+        smoother.restore(kept);
+    }
+  }
+  layout.uv = smoother.state().uv;
+  Points vertices = surface.positions(as_rows(layout.uv));
+  vertices.topRows(layout.rim) = border;
+  return vertices;
 }
 
 void smooth_trial(PlaneLayout& layout) { smooth_quads(layout, sweeps_of_trials, angles_of_trials); }

@@ -1,14 +1,13 @@
 #include "tripatch/quads/spread.h"
 
-#include <Eigen/Sparse>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <set>
 
-#include "tripatch/math/sparse_ldlt.h"
-#include "tripatch/quads/quad_smoothing.h"
+#include "tripatch/quads/row_widths.h"
+#include "tripatch/quads/weighted_means.h"
 
 namespace tripatch {
 namespace {
@@ -85,14 +84,29 @@ std::vector<std::array<Index, 3>> with_chords_halved(const std::vector<std::arra
 
 }  // namespace
 
-SpreadTriangles::SpreadTriangles(std::vector<std::array<Index, 3>> triangles, Index count, const PlanePoints& rim_at)
-    : triangles_(std::move(triangles)), cells_(static_cast<Index>(std::sqrt(static_cast<double>(triangles_.size()))) + 1) {
-  Faces faces;
-  for (const std::array<Index, 3>& t : triangles_) faces.add(t);
-  Points rows = Points::Zero(count, 3);
-  rows.topRows(rim_at.rows()).leftCols(2) = rim_at;
-  spread_inside(faces, rim_at.rows(), rows);
-  at_ = rows.leftCols(2);
+void spread_inside(const Faces& faces, Index rim, Points& rows) {
+  double mean = 0;
+  for (Index k = 0; k < rim; ++k) mean += (rows.row(k) - rows.row((k + 1) % rim)).norm() / static_cast<double>(rim);
+  RowWidths widths(faces, rim);
+  widths.measure(rows, mean);
+  std::vector<NetEdge> edges;
+  for (const auto& [a, b] : widths.edges())
+    edges.push_back({a, b, std::pow(mean / widths.width(static_cast<Index>(edges.size())), 2)});
+  to_weighted_means(edges, first_rows(rim, rows.rows()), rows);
+}
+
+void embed(PlaneLayout& layout) {
+  Points rows = as_rows(layout.uv);
+  spread_inside(layout.faces, layout.rim, rows);
+  layout.uv = rows.leftCols(2);
+}
+
+PlaneTriangles::PlaneTriangles(std::vector<std::array<Index, 3>> triangles, PlanePoints at)
+    : triangles_(std::move(triangles)),
+      at_(std::move(at)),
+      cells_(static_cast<Index>(std::sqrt(static_cast<double>(triangles_.size()))) + 1),
+      lowest_(at_.colwise().minCoeff()),
+      cell_((at_.rowwise() - lowest_).maxCoeff() / static_cast<double>(cells_)) {
   in_cell_.resize(static_cast<std::size_t>(cells_ * cells_));
   for (std::size_t k = 0; k < triangles_.size(); ++k) {
     const PlanePoints corners = at_(triangles_[k], Eigen::all);
@@ -102,32 +116,42 @@ SpreadTriangles::SpreadTriangles(std::vector<std::array<Index, 3>> triangles, In
   }
 }
 
-Vec2 SpreadTriangles::carried(const Vec2& place, const PlanePoints& to) const {
-  const std::array<Index, 2> own = cell(place.transpose());
-  double best = -INFINITY;
-  Vec2 found = Vec2::Zero();
-  for (const std::size_t k : in_cell_[static_cast<std::size_t>(own[0] * cells_ + own[1])]) {
-    const std::array<Index, 3>& t = triangles_[k];
-    const std::optional<Vec3> in = coordinates_in({Vec2(at_.row(t[0])), Vec2(at_.row(t[1])), Vec2(at_.row(t[2]))}, place);
-    if (!in || !(in->minCoeff() > best)) continue;
-    best = in->minCoeff();
-    found = (in->transpose() * to(t, Eigen::all)).transpose();
+Eigen::MatrixXd PlaneTriangles::carried(const PlanePoints& places, const Eigen::MatrixXd& values) const {
+  Eigen::MatrixXd found = Eigen::MatrixXd::Zero(places.rows(), values.cols());
+  for (Index row = 0; row < places.rows(); ++row) {
+    const std::array<Index, 2> own = cell(places.row(row));
+    double best = -INFINITY;
+    for (const std::size_t k : in_cell_[static_cast<std::size_t>(own[0] * cells_ + own[1])]) {
+      const std::array<Index, 3>& t = triangles_[k];
+      const std::optional<Vec3> in =
+          coordinates_in({Vec2(at_.row(t[0])), Vec2(at_.row(t[1])), Vec2(at_.row(t[2]))}, Vec2(places.row(row)));
+      if (!in || !(in->minCoeff() > best)) continue;
+      best = in->minCoeff();
+      found.row(row) = in->transpose() * values(t, Eigen::all);
+    }
   }
   return found;
 }
 
-std::array<Index, 2> SpreadTriangles::cell(const Eigen::RowVector2d& place) const {
-  const auto of = [&](double x) {
-    return std::clamp<Index>(static_cast<Index>(0.5 * (x + 1) * static_cast<double>(cells_)), 0, cells_ - 1);
-  };
-  return {of(place[0]), of(place[1])};
+std::array<Index, 2> PlaneTriangles::cell(const Eigen::RowVector2d& place) const {
+  const Eigen::RowVector2d in_cells = (place - lowest_) / cell_;
+  const auto of = [&](double x) { return std::clamp<Index>(static_cast<Index>(x), 0, cells_ - 1); };
+  return {of(in_cells[0]), of(in_cells[1])};
+}
+
+PlaneTriangles spread_triangles(const std::vector<std::array<Index, 3>>& triangles, Index count, const PlanePoints& rim_at) {
+  Faces faces;
+  for (const std::array<Index, 3>& t : triangles) faces.add(t);
+  Points rows = Points::Zero(count, 3);
+  rows.topRows(rim_at.rows()).leftCols(2) = rim_at;
+  spread_inside(faces, rim_at.rows(), rows);
+  return PlaneTriangles(triangles, rows.leftCols(2));
 }
 
 SpreadRing::SpreadRing(const std::vector<std::array<Index, 3>>& triangles, const PlanePoints& points, const PlanePoints& ends_at)
     : points_(points) {
   const Index ends = ends_at.rows(), outer = std::count(ends_at.col(1).begin(), ends_at.col(1).end(), 0.0);
   triangles_ = with_chords_halved(triangles, outer, ends, points_);
-  const Index unknowns = points_.rows() - ends;
   turn_.resize(points_.rows());
   at_ = PlanePoints::Zero(points_.rows(), 2);
   const Vec2 middle = inside_of(points_.middleRows(outer, ends - outer));
@@ -144,30 +168,12 @@ SpreadRing::SpreadRing(const std::vector<std::array<Index, 3>>& triangles, const
   }
   const double apart = at_.col(0).segment(outer, ends - outer).mean() - at_.col(0).head(outer).mean();
   at_.col(0).segment(outer, ends - outer).array() -= std::round(apart);
-  if (unknowns == 0) return;
-  std::set<std::array<Index, 2>> edges;
+  std::set<std::array<Index, 2>> joined;
   for (const std::array<Index, 3>& t : triangles_)
-    for (std::size_t k = 0; k < 3; ++k) {
-      edges.insert({t[k], t[(k + 1) % 3]});
-      edges.insert({t[(k + 1) % 3], t[k]});
-    }
-  std::vector<Eigen::Triplet<double>> entries;
-  Eigen::MatrixXd right = Eigen::MatrixXd::Zero(unknowns, 2);
-  for (const auto& [a, b] : edges) {
-    if (a < ends) continue;
-    entries.emplace_back(a - ends, a - ends, 1.0);
-    right(a - ends, 0) += part_of_turn(turn_[b] - turn_[a]);
-    if (b < ends)
-      right.row(a - ends) += at_.row(b);
-    else
-      entries.emplace_back(a - ends, b - ends, -1.0);
-  }
-  Eigen::SparseMatrix<double> laplacian(unknowns, unknowns);
-  laplacian.setFromTriplets(entries.begin(), entries.end());
-  SparseLdlt solver;
-  solver.analyzePattern(laplacian);
-  solver.factorize(laplacian);
-  at_.bottomRows(unknowns) = solver.solve(right);
+    for (std::size_t k = 0; k < 3; ++k) joined.insert(edge_between(t[k], t[(k + 1) % 3]));
+  std::vector<NetEdge> edges;
+  for (const auto& [a, b] : joined) edges.push_back({a, b, 1, part_of_turn(turn_[b] - turn_[a])});
+  to_weighted_means(edges, first_rows(ends, points_.rows()), at_);
 }
 
 std::array<Vec2, 3> SpreadRing::corners(const std::array<Index, 3>& triangle) const {

@@ -37,12 +37,4 @@ std::optional<PlaneLayout> disc_layout(Index edges, int rows);
 /// A grid in a square with its corners at these four rows of the rim; none where opposite sides have not as many edges.
 std::optional<PlaneLayout> square_layout(Index edges, const std::vector<Index>& corners, int rows);
 
-/// Smooths a layout on a surface over its plane, as far as that helps the least angle. Returns the vertices, of which the border's are given;
-/// held: those inside that stay.
-Points smoothed_on(PlaneLayout& layout, const Surface& surface, const Points& border, const std::vector<Index>& held = {});
-/// The sine of the least angle of a quad that is still good. Of two places nearer and nearer to each other in a square of quads, where vertices
-/// are moved to them, it is 0.38 or more, or quads are stuck, turned over or nearly (0.03): nothing lies between. Quads that grow in from
-/// a rim have it where those around do: in sheared grids.
-constexpr double min_sine = 0.17;
-
 }  // namespace tripatch

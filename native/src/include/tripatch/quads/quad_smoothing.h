@@ -24,17 +24,19 @@ struct QuadQuality {
 };
 QuadQuality quad_quality(const PointsRef& points, const Faces& faces);
 
-/// Inside vertices at weighted means of their neighbors (Tutte 1963), so that in a convex domain no face is turned over. Edges across
-/// the same row of quads weigh the same, the less the longer the row's ends on the rim are.
-void embed(PlaneLayout& layout);
-/// The same in space: the first `rim` rows stay.
-void spread_inside(const Faces& faces, Index rim, Points& rows);
-
 /// Moves the inside vertices towards quads whose corners are right angles and whose sides are as the rows' ends on the rim, by Newton
 /// steps of one vertex after the other; then sweeps in which the least angle leads. surface: in the metric of that over the domain;
 /// none: in the plane. border: where the rim is in space (rim x 3), with a surface. held: inside vertices that stay.
 void smooth_quads(PlaneLayout& layout, int sweeps, int sharpening = 0, const Surface* surface = nullptr,
                   const Points* border = nullptr, const std::vector<Index>& held = {});
+
+/// Smooths a layout on a surface over its plane, as far as that helps the least angle. Returns the vertices, of which the border's are given;
+/// held: those inside that stay.
+Points smoothed_on(PlaneLayout& layout, const Surface& surface, const Points& border, const std::vector<Index>& held = {});
+/// The sine of the least angle of a quad that is still good. Of two places nearer and nearer to each other in a square of quads, where vertices
+/// are moved to them, it is 0.38 or more, or quads are stuck, turned over or nearly (0.03): nothing lies between. Quads that grow in from
+/// a rim have it where those around do: in sheared grids.
+constexpr double min_sine = 0.17;
 
 /// Smooths a layout a few sweeps in its plane, as far as layouts are that are tried.
 void smooth_trial(PlaneLayout& layout);

@@ -1,4 +1,4 @@
-// Triangles of a region in a plane, spread over a simpler one in which quads are laid out, and places carried back.
+// Vertices inside a loop spread evenly: those of layouts, and those of triangles, over a simpler region in which quads are laid out.
 #pragma once
 
 #include <array>
@@ -6,27 +6,39 @@
 #include <vector>
 
 #include "tripatch/math/plane.h"
+#include "tripatch/quads/quad_smoothing.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
 
-/// Triangles between the vertices of a plane region, spread over a convex one (Tutte 1963): no triangle is turned over there.
-class SpreadTriangles {
-public:
-  /// count: of the vertices, the first of which are the rim; rim_at: places of these in the convex region, within the unit circle.
-  SpreadTriangles(std::vector<std::array<Index, 3>> triangles, Index count, const PlanePoints& rim_at);
+/// Inside vertices at weighted means of their neighbors (Tutte 1963), so that in a convex domain no face is turned over. Edges across
+/// the same row of quads weigh the same, the less the longer the row's ends on the rim are.
+void embed(PlaneLayout& layout);
+/// The same in space: the first `rim` rows stay.
+void spread_inside(const Faces& faces, Index rim, Points& rows);
 
-  /// Where a place lies among points that the triangles join, a row each: in the one that it is in, or least out of.
-  Vec2 carried(const Vec2& place, const PlanePoints& to) const;
+/// Triangles of a plane that carry values at their vertices.
+class PlaneTriangles {
+public:
+  PlaneTriangles(std::vector<std::array<Index, 3>> triangles, PlanePoints at);
+
+  /// Values at places, of values at the vertices, a row each: linearly in the triangle that a place is in, or least out of.
+  Eigen::MatrixXd carried(const PlanePoints& places, const Eigen::MatrixXd& values) const;
 
 private:
   std::array<Index, 2> cell(const Eigen::RowVector2d& place) const;
 
   std::vector<std::array<Index, 3>> triangles_;
-  Index cells_;
   PlanePoints at_;
+  Index cells_;
+  Eigen::RowVector2d lowest_;
+  double cell_;  ///< its size
   std::vector<std::vector<std::size_t>> in_cell_;
 };
+
+/// Triangles between the vertices of a plane region, spread over a convex one (Tutte 1963): no triangle is turned over there. count: of the
+/// vertices, the first of which are the rim; rim_at: places of these in the convex region.
+PlaneTriangles spread_triangles(const std::vector<std::array<Index, 3>>& triangles, Index count, const PlanePoints& rim_at);
 
 /// The same between two loops: spread over a cylinder, whose places are (turn, height), the turn up to whole numbers.
 class SpreadRing {
