@@ -246,8 +246,12 @@ private:
     };
     const auto same = std::ranges::find_if(planes_, all_in);
     if (same != planes_.end()) return static_cast<std::size_t>(same - planes_.begin());
+    const bool is_flat = all_in(flat);
     std::ranges::sort(piece);
-    planes_.push_back(all_in(flat) ? flat : Wall(mesh_, std::move(piece), rim, across_));
+    if (is_flat)
+      planes_.push_back(flat);
+    else
+      planes_.emplace_back(mesh_, std::move(piece), rim, across_);
     return planes_.size() - 1;
   }
 
