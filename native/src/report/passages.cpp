@@ -94,6 +94,15 @@ private:
   BoxTree tree_;
 };
 
+/// For each vertex a bit of each side of a box that it lies beyond: faces whose vertices have one in common do not meet the box.
+std::vector<unsigned char> sides_beyond(const PointsRef& vertices, const BoxTree::Box& box) {
+  std::vector<unsigned char> beyond(static_cast<std::size_t>(vertices.rows()));
+  for (Index v = 0; v < vertices.rows(); ++v)
+    for (int k = 0; k < 3; ++k)
+      beyond[v] |= (vertices(v, k) < box.min()[k] ? 1U << (2 * k) : 0U) | (vertices(v, k) > box.max()[k] ? 2U << (2 * k) : 0U);
+  return beyond;
+}
+
 std::vector<Index> in_order(std::vector<Index> vertices) {
   std::ranges::sort(vertices);
   vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
@@ -206,12 +215,18 @@ std::vector<std::optional<Vec3>> passages(const Mesh& mesh, std::span<const Fill
       }
   };
   each_face([&](Index fill, std::span<const Index>) { add_triangles(corners, fill, triangles); });
+  BoxTree::Box box;
+  for (const FlatTriangle& each : triangles) box.extend(each.box);
   for (const FillFaces& fill : fills) rims.push_back(in_order({fill.rim.begin(), fill.rim.end()}));
   Passages passages(std::move(triangles), std::move(rims));
   const Points none(0, 3);
   if (subdivision) look_at_limit(mesh, std::vector<Index>(mesh.faces.size(), -1), *subdivision, passages);
+  const std::vector<unsigned char> beyond = sides_beyond(mesh.vertices, box);
   for (Index f = 0; !subdivision && f < mesh.faces.size(); ++f) {
     if (f % 4096 == 0) check_interruption();
+    unsigned char all = 63;
+    for (Index v : mesh.faces[f]) all &= beyond[v];
+    if (all != 0) continue;
     corners_of(mesh.vertices, none, mesh.faces[f], corners);
     passages.look(mesh.faces[f], corners);
   }
