@@ -130,10 +130,8 @@ class _Whole:
             count += len(fills[k].vertices)
         offsets = np.concatenate([self._offsets, self._offsets[-1] + np.cumsum(sizes, dtype=np.int64)])
         found = passages.of_faces(np.vstack(points), offsets, np.concatenate(corners), np.concatenate(of_face).tolist())
-        places = [None] * len(fills)
-        for k, place in zip(made, found, strict=True):
-            places[k] = place
-        return places
+        places = dict(zip(made, found, strict=True))
+        return [places.get(k) for k in range(len(fills))]
 
     def beside(self, fills):
         """Faces of the mesh that lie in the boxes of fills, however far their vertices are along its edges."""
