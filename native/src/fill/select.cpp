@@ -30,7 +30,10 @@ double stated_error(const Fill& fill, double size) {
   const double by_planes = least_error(report.surroundings_error, size);
   if (report.method == rows_method) return error_by_missed * root_mean_square(fill.deviation);
   if (!fill.patch) return error_of_triangles * size;
-  if (report.method == spline_method) return std::hypot(error_by_deviation * root_mean_square(fill.deviation), by_planes);
+  if (report.method == spline_method) {
+    const double share = fill.feature_edges.empty() ? error_by_deviation : 1;  // across creases it is as true as it says
+    return std::hypot(share * root_mean_square(fill.deviation), by_planes);
+  }
   if (fill.vertices.rows() == 0) return 0;
   return std::hypot(size * error_by_energy * std::sqrt(report.energy_after), by_planes);
 }
