@@ -287,10 +287,16 @@ def test_interrupted_the_file_that_was_there_stays(tmp_path):
         )
     before = path.read_bytes()
     heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # which jobs in the background do not
+    run = "import sys; from tripatch.__main__ import main; print('ready', flush=True); sys.exit(main())"
     child = subprocess.Popen(
-        [sys.executable, "-m", "tripatch", "fill", path, path, "--all"], stderr=subprocess.PIPE, text=True, preexec_fn=heed
+        [sys.executable, "-c", run, "fill", path, path, "--all"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=heed,
     )
-    time.sleep(0.5)
+    child.stdout.readline()  # while NumPy is imported, an interruption is an ImportError
+    time.sleep(0.3)
     child.send_signal(signal.SIGINT)
     _, said = child.communicate(timeout=60)
     if child.returncode != 0:  # it was not done before
