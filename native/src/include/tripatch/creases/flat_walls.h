@@ -1,4 +1,5 @@
-// Flat walls around a hole, as of a box: where they continue until they meet, the hole is known exactly, edges and corners with it.
+// Walls around a hole, flat as those of a box or curved: where they continue until they meet, the hole is known, edges and corners with
+// it; between flat ones exactly.
 #pragma once
 
 #include <array>
@@ -17,7 +18,7 @@ namespace tripatch {
 /// one otherwise, 12% farther.
 inline constexpr double min_crease_angle = 25 * std::numbers::pi / 180;
 
-/// Flat walls that close a hole, one or more. Corners are numbered: places in the rim, then nodes.
+/// Walls that close a hole, one or more. Corners are numbered: places in the rim, then nodes.
 struct FlatWalls {
   std::vector<Vec3> nodes;                ///< inside the hole
   std::vector<double> deviation;          ///< of the nodes, scene units
@@ -32,7 +33,8 @@ struct FlatWalls {
 /// as the edges of the rim tell them. None if there are too many planes, or they do not meet in the hole. None also if a wall seems to
 /// have lost nothing, or a crease between two of them does not show at the rim, as an edge that ends there or as a corner of a third
 /// wall. Of a flat rim one wall, which continues next to all or some of it and ends at the rest or near by, else none: a cap may lie
-/// on it. Faces are sought among those whose vertices are all `near`, sorted.
+/// on it. Faces are sought among those whose vertices are all `near`, sorted. sharp: edges, the lower vertex first, sorted; with them, where
+/// planes do not meet, walls are the smooth pieces between these edges. None if such a piece does not tell how it continues.
 std::optional<FlatWalls> flat_walls(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across,
                                     const std::vector<Index>& near, const std::vector<std::array<Index, 2>>* sharp = nullptr);
 
