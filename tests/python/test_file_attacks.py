@@ -8,7 +8,6 @@ import stat
 import struct
 import subprocess
 import sys
-import time
 from functools import partial
 
 import numpy as np
@@ -275,7 +274,7 @@ def test_json_of_any_depth(mesh):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
-def test_interrupted_the_file_that_was_there_stays_or_is_filled(tmp_path):
+def test_interrupted_the_file_that_was_there_stays(tmp_path):
     n = 300
     x, y = np.meshgrid(np.arange(n), np.arange(n))
     cells = [(i * n + j, i * n + j + 1, (i + 1) * n + j + 1, (i + 1) * n + j) for i in range(n - 1) for j in range(n - 1)]
@@ -296,14 +295,12 @@ def test_interrupted_the_file_that_was_there_stays_or_is_filled(tmp_path):
         preexec_fn=heed,
     )
     child.stdout.readline()  # while NumPy is imported, an interruption is an ImportError
-    time.sleep(0.1)
     child.send_signal(signal.SIGINT)
     _, said = child.communicate(timeout=60)
     if child.returncode != 0:  # it was not done before
         assert child.returncode in (130, -signal.SIGINT)
         assert "Traceback" not in said or "import" in said
-        whole = len(tripatch.find_holes(tripatch.read(path).faces)) == 1  # interrupted after the file was written
-        assert path.read_bytes() == before or whole
+        assert path.read_bytes() == before
     assert sorted(p.name for p in tmp_path.iterdir()) == ["large.obj"]
 
 
