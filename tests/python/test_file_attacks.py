@@ -286,7 +286,14 @@ def test_interrupted_the_file_that_was_there_stays(tmp_path):
         )
     before = path.read_bytes()
     heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # which jobs in the background do not
-    run = "import sys; from tripatch.__main__ import main; print('ready', flush=True); sys.exit(main())"
+    run = """if True:
+        import sys
+        from tripatch import files
+        from tripatch.__main__ import main
+        read = files.read
+        files.read = lambda path: print("reading", flush=True) or read(path)
+        sys.exit(main())
+    """
     child = subprocess.Popen(
         [sys.executable, "-c", run, "fill", path, path, "--all"],
         stdout=subprocess.PIPE,
@@ -294,12 +301,12 @@ def test_interrupted_the_file_that_was_there_stays(tmp_path):
         text=True,
         preexec_fn=heed,
     )
-    child.stdout.readline()  # while NumPy is imported, an interruption is an ImportError
+    child.stdout.readline()  # before that, the interruption is none of the command's
     child.send_signal(signal.SIGINT)
     _, said = child.communicate(timeout=60)
     if child.returncode != 0:  # it was not done before
         assert child.returncode in (130, -signal.SIGINT)
-        assert "Traceback" not in said or "import" in said
+        assert "Traceback" not in said
         assert path.read_bytes() == before
     assert sorted(p.name for p in tmp_path.iterdir()) == ["large.obj"]
 
