@@ -23,8 +23,13 @@ public:
   const tripatch::Mesh& mesh() const { return mesh_; }
   const tripatch::Connectivity& around() const { return around_; }
   const std::vector<std::vector<tripatch::Index>>& loops() {
-    if (!loops_) loops_ = tripatch::border_loops(around_);
+    if (!loops_) loops_ = tripatch::border_loops(around_, &unclosed_);
     return *loops_;
+  }
+  /// The chains of border edges that close to no loop.
+  const std::vector<std::vector<tripatch::Index>>& unclosed() {
+    loops();
+    return unclosed_;
   }
   const std::vector<tripatch::Border>& borders() {
     if (!borders_) borders_ = tripatch::borders_of(mesh_, around_, loops());
@@ -37,5 +42,6 @@ private:
   tripatch::Mesh mesh_;
   tripatch::Connectivity around_;
   std::optional<std::vector<std::vector<tripatch::Index>>> loops_;
+  std::vector<std::vector<tripatch::Index>> unclosed_;
   std::optional<std::vector<tripatch::Border>> borders_;
 };

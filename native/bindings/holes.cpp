@@ -40,6 +40,7 @@ void bind_borders(py::module_& m) {
   py::class_<ConnectedMesh>(m, "ConnectedMesh")
       .def(py::init<Array, IndexArray, IndexArray>())
       .def("borders", [](ConnectedMesh& connected) { return listed(connected.loops()); })
+      .def("unclosed", [](ConnectedMesh& connected) { return listed(connected.unclosed()); })
       .def("outer_borders",
            [](ConnectedMesh& connected) {
              std::vector<std::vector<Index>> outer;

@@ -341,3 +341,38 @@ def test_holes_that_touch_at_a_vertex_are_no_islands_of_each_other():
     loops = [loop.tolist() for loop in tripatch.find_holes(quads) if len(loop) < n]
     assert len(loops) > 10
     assert not any(tripatch.borders.islands_of(vertices, quads, loops, parts=False))
+
+
+def with_doubled_faces(closed=True):
+    """A tube of which one face at its upper end is there twice, its lower end closed or not."""
+    vertices, faces = tube(0, 1)
+    return vertices, [*faces, faces[-1]] + [list(range(24))[::-1]] * closed
+
+
+def test_a_border_beside_a_doubled_face_is_refused_with_its_place():
+    vertices, faces = with_doubled_faces()
+    fills = tripatch.fill_all(vertices, faces)
+    assert [fill.code for fill in fills] == ["border_not_closed"]
+    assert sorted(fills[0].where) == list(range(96, 120)) and {fills[0].where[0], fills[0].where[-1]} == {96, 119}
+    with pytest.raises(tripatch.Refusal) as refused:
+        tripatch.fill(vertices, faces)
+    assert refused.value.code == "border_not_closed" and refused.value.where == fills[0].where
+
+
+def test_other_holes_are_filled_beside_a_border_that_does_not_close():
+    fills = tripatch.fill_all(*with_doubled_faces(closed=False))
+    assert [isinstance(fill, tripatch.Refusal) for fill in fills] == [True, False]  # the shorter first
+
+
+def test_the_command_says_that_a_border_does_not_close(tmp_path, capsys):
+    for closed, code in ((True, 1), (False, 3)):
+        mesh = write_obj(tmp_path / "in.obj", with_doubled_faces(closed))
+        assert run(capsys, "fill", mesh, tmp_path / "out.obj", "--all")[0] == code
+        assert run(capsys, "fill", mesh, tmp_path / "out.obj")[0] == code
+
+
+def test_a_batch_says_that_a_border_does_not_close(tmp_path, capsys):
+    write_obj(tmp_path / "in" / "a.obj", with_doubled_faces(closed=False))
+    assert run(capsys, "batch", tmp_path / "in", "--out", tmp_path / "out", "--quiet")[0] == 3
+    lines = [json.loads(line) for line in (tmp_path / "out" / "report.jsonl").read_text().splitlines()]
+    assert sorted(line["code"] for line in lines if line.get("hole") is not None) == ["border_not_closed", "outer_border"]

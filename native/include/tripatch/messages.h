@@ -24,6 +24,7 @@ enum class Code : std::uint16_t {
   // Holes, their rims and corners
   no_border,
   only_outer_borders,
+  border_not_closed,
   several_holes,
   several_three_cornered_holes,
   no_hole_fillable,

@@ -64,7 +64,8 @@ class Holes:
         corners: of the faces, one after another, by vertices that stand for all at their places; mesh: with vertices and offsets.
         rims: of each hole, by such vertices; islands: of each the loops inside it.
         refused: of borders that are no holes, by their place in `rims`.
-        outer: the outer borders that are left open; borders: all of them.
+        outer: the outer borders that are left open; borders: all of them, and the chains of border edges that close to no loop,
+            which are refused too.
         joined: what must change in the mesh for that; None: nothing, or borders are joined in thought only.
     """
 
@@ -85,15 +86,19 @@ class Holes:
             self.joined = whole if join is not None and changes else None
             self.connected = _native.ConnectedMesh(vertices, self._offsets, self.corners)
         self.mesh = vertices, self._offsets, self.corners
-        self.borders = borders = _lists(self.connected.borders())
+        borders = _lists(self.connected.borders())
         chosen = _lists(self.connected.chosen(given))
         outer = [] if given.get("outer") else _lists(self.connected.outer_borders())
         found = zip(borders, self.connected.contacts(), strict=True)
         contacts = {loop[0]: contact for loop, contact in found if contact[0] or contact[1] == len(loop)}
         near = [loop for loop in outer if loop[0] in contacts]
         self.outer = [loop for loop in outer if loop[0] not in contacts]
-        self.rims = sorted([*chosen, *near], key=lambda loop: (len(loop), loop))
-        self.refused = {k: _refusal(loop, contacts[loop[0]]) for k, loop in enumerate(self.rims) if loop[0] in contacts}
+        unclosed = _lists(self.connected.unclosed())
+        refused = {id(loop): _refusal(loop, contacts[loop[0]]) for loop in (*chosen, *near) if loop[0] in contacts}
+        refused |= {id(chain): _not_closed(chain) for chain in unclosed}
+        self.borders = [*borders, *unclosed]
+        self.rims = sorted([*chosen, *near, *unclosed], key=lambda loop: (len(loop), loop))
+        self.refused = {k: refused[id(loop)] for k, loop in enumerate(self.rims) if id(loop) in refused}
         self.islands: list[list[list[int]]] = [[] for _ in self.rims]
         if islands == "auto" and len(self.rims) + len(self.outer) > 1:
             self._gather_islands()
@@ -183,6 +188,10 @@ class _Renumbered:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._native, name)
+
+
+def _not_closed(chain: list[int]) -> Refusal:
+    return Refusal.of(Message("border_not_closed", {"edges": len(chain) - 1, "ends": [chain[0], chain[-1]]}, chain))
 
 
 def _refusal(loop: list[int], contact: Any) -> Refusal:

@@ -65,7 +65,8 @@ std::vector<Index> loop_through(const FillContext& context, const std::vector<In
 std::vector<Index> only_hole(const FillContext& context) {
   std::vector<std::vector<Index>> loops;
   std::optional<CodedRefusal> none;  // of the shortest
-  const std::vector<Border> borders = borders_of(context.mesh, context.whole());
+  std::vector<std::vector<Index>> unclosed;
+  const std::vector<Border> borders = borders_of(context.mesh, context.whole(), border_loops(context.whole(), &unclosed));
   for (const Border& border : borders) {
     if (border.outer) continue;
     try {
@@ -77,7 +78,7 @@ std::vector<Index> only_hole(const FillContext& context) {
   }
   if (loops.size() == 1) return loops[0];
   if (none && loops.empty()) throw *none;
-  if (loops.empty()) refuse_no_hole(borders);
+  if (loops.empty()) refuse_no_hole(borders, unclosed);
   refuse_several(loops, Code::several_holes);
 }
 

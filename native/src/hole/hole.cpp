@@ -66,10 +66,11 @@ Hole make_hole(const Mesh& mesh, const std::vector<Index>& rim, const std::optio
 
 Hole find_hole(const Mesh& mesh, const Connectivity& around) {
   std::vector<Loop> loops;
-  const std::vector<Border> borders = borders_of(mesh, around);
+  std::vector<Loop> unclosed;
+  const std::vector<Border> borders = borders_of(mesh, around, border_loops(around, &unclosed));
   for (const Border& border : borders)
     if (!border.outer) loops.push_back(border.loop);
-  if (loops.empty()) refuse_no_hole(borders);
+  if (loops.empty()) refuse_no_hole(borders, unclosed);
   std::vector<Hole> found;
   std::optional<CodedRefusal> refusal;  // of the shortest
   for (const Loop& loop : loops) {

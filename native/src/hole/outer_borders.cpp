@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/border_loops.h"
@@ -78,7 +79,12 @@ std::vector<Border> borders_of(const Mesh& mesh, const Connectivity& around, con
   return borders;
 }
 
-void refuse_no_hole(const std::vector<Border>& borders) {
+void refuse_no_hole(const std::vector<Border>& borders, const std::vector<std::vector<Index>>& unclosed) {
+  if (!unclosed.empty()) {
+    const std::vector<Index>& chain = unclosed[0];
+    const std::vector<Index> ends{chain.front(), chain.back()};
+    throw CodedRefusal(Code::border_not_closed, {{"edges", chain.size() - 1}, {"ends", ends}}, chain);
+  }
   if (borders.empty()) throw CodedRefusal(Code::no_border);
   throw CodedRefusal(Code::only_outer_borders, borders.back().loop);
 }

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 namespace tripatch {
@@ -208,9 +210,40 @@ void undirected_loops(const std::vector<BorderEdge>& border, std::vector<char>& 
   }
 }
 
+/// The border edges that no loop holds, in chains. They form no cycle, as loops have been taken off wherever a way came back.
+std::vector<Loop> unclosed_borders(const std::vector<BorderEdge>& border, const std::vector<Loop>& loops) {
+  std::set<BorderEdge> held;
+  for (const Loop& loop : loops)
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      const Index a = loop[k], b = loop[(k + 1) % loop.size()];
+      held.insert({a, b});
+      held.insert({b, a});
+    }
+  std::map<Index, std::set<Index>> neighbors;
+  for (const BorderEdge& e : border)
+    if (!held.contains(e)) {
+      neighbors[e.from].insert(e.to);
+      neighbors[e.to].insert(e.from);
+    }
+  std::vector<Loop> chains;
+  while (!neighbors.empty()) {
+    const auto end = std::ranges::find_if(neighbors, [](const auto& each) { return each.second.size() == 1; });
+    Loop& chain = chains.emplace_back(1, end->first);
+    for (auto at = end; at != neighbors.end(); at = neighbors.find(chain.back())) {
+      const Index from = at->first, to = *at->second.begin();
+      at->second.erase(to);
+      if (at->second.empty()) neighbors.erase(at);
+      neighbors[to].erase(from);
+      if (neighbors[to].empty()) neighbors.erase(to);
+      chain.push_back(to);
+    }
+  }
+  return chains;
+}
+
 }  // namespace
 
-std::vector<std::vector<Index>> border_loops(const Connectivity& mesh) {
+std::vector<std::vector<Index>> border_loops(const Connectivity& mesh, std::vector<std::vector<Index>>* unclosed) {
   const std::vector<BorderEdge> border = border_edges(mesh);
   if (border.empty()) return {};
   const std::vector<Index> next = following_edges(mesh, border);
@@ -236,7 +269,10 @@ std::vector<std::vector<Index>> border_loops(const Connectivity& mesh) {
     }
     way.clear();
   }
-  if (std::find(open.begin(), open.end(), 1) != open.end()) undirected_loops(border, used, way, loops);
+  if (std::find(open.begin(), open.end(), 1) != open.end()) {
+    undirected_loops(border, used, way, loops);
+    if (unclosed) *unclosed = unclosed_borders(border, loops);
+  }
 
   for (Loop& loop : loops) std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
   std::sort(loops.begin(), loops.end(),

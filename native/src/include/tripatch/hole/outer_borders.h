@@ -25,8 +25,8 @@ std::vector<Border> borders_of(const Mesh& mesh);
 std::vector<std::vector<Index>> chosen_among(const std::vector<Border>& borders, const Mesh& mesh, const Connectivity& around,
                                              const HoleChoice& choice);
 
-/// Refuses a mesh without holes; borders: all of the mesh.
-[[noreturn]] void refuse_no_hole(const std::vector<Border>& borders);
+/// Refuses a mesh without holes; borders, unclosed: all of the mesh, as of border_loops.
+[[noreturn]] void refuse_no_hole(const std::vector<Border>& borders, const std::vector<std::vector<Index>>& unclosed);
 
 /// Whether one loop turns the other way, or `of_sheet` so much that its fill would lie on the mesh; its mesh may be given in part. Throws
 /// InvalidArgument for what is no loop of vertices.
