@@ -125,12 +125,21 @@ const Option& option_named(const char* name) {
   throw InvalidArgument(std::string("There is no option ") + name);
 }
 
-/// Names of the methods that name an option as one of their own; empty: most methods read it.
-std::vector<std::string> named_by(const Option& option) {
-  std::vector<std::string> names;
-  for (const Condition& condition : option.applies)
-    if (condition.option == "method") names.push_back(condition.value);
+/// Of each option the names of the methods that name it as one of their own; none: most methods read it.
+std::vector<std::vector<std::string>> names_of_methods() {
+  std::vector<std::vector<std::string>> names;
+  for (const Option& option : options()) {
+    std::vector<std::string>& own = names.emplace_back();
+    for (const Condition& condition : option.applies)
+      if (condition.option == "method") own.push_back(condition.value);
+  }
   return names;
+}
+
+/// option: of options().
+const std::vector<std::string>& named_by(const Option& option) {
+  static const std::vector<std::vector<std::string>> names = names_of_methods();
+  return names[&option - options().data()];
 }
 
 bool is_plain(const auto& value, const auto& plain) { return value == plain; }

@@ -60,15 +60,16 @@ TEST_CASE("a hole that new edges close wants no quads beyond them") {
 
 TEST_CASE("places between two loops are carried round them, by whole turns or not") {
   constexpr Index n = 24;
-  const std::array<double, 3> radii = {1, 0.5, 0.75};  // outer, inner, middle
+  const bool inside_out = GENERATE(false, true);                                           // the first loop is the inner one
+  const std::array<double, 3> radii = {inside_out ? 0.5 : 1, inside_out ? 1 : 0.5, 0.75};  // first, second, middle
+  const double along = (inside_out ? -2 : 2) * std::numbers::pi;
   PlanePoints points(3 * n, 2), ends_at(2 * n, 2);
   const auto row = [&](Index ring, Index k) { return ring * n + (ring == 1 ? n - 1 - k % n : k % n); };
   std::vector<std::array<Index, 3>> triangles;
   for (Index k = 0; k < n; ++k) {
     const double turn = static_cast<double>(k) / n;
     for (Index ring = 0; ring < 3; ++ring) {
-      points.row(row(ring, k)) << 3 + radii[ring] * std::cos(2 * std::numbers::pi * turn),
-          radii[ring] * std::sin(2 * std::numbers::pi * turn);
+      points.row(row(ring, k)) << 3 + radii[ring] * std::cos(along * turn), radii[ring] * std::sin(along * turn);
       if (ring < 2) ends_at.row(row(ring, k)) << turn + static_cast<double>(k % 3), static_cast<double>(ring);
     }
     for (const auto& [out, in] : {std::array<Index, 2>{0, 2}, {2, 1}}) {
@@ -80,7 +81,7 @@ TEST_CASE("places between two loops are carried round them, by whole turns or no
   for (const double turn : {-0.31, 0.0, 0.2, 0.77, 2.2}) {
     const Vec2 place = spread.carried(Vec2(turn, 0.5)) - Vec2(3, 0);
     CHECK(place.norm() == Approx(0.75).margin(0.01));
-    const double off = std::atan2(place[1], place[0]) / (2 * std::numbers::pi) - turn;
+    const double off = std::atan2(place[1], place[0]) / along - turn;
     CHECK(std::abs(off - std::round(off)) < 1.0 / n);
   }
 }

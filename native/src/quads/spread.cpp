@@ -45,18 +45,24 @@ Vec2 inside_of(const PlanePoints& loop) {
   return found;
 }
 
+double twice_area(const PlanePoints& loop) {
+  double area = 0;
+  for (Index k = 0; k < loop.rows(); ++k) area += twice_area(Vec2(loop.row(k)), Vec2(loop.row((k + 1) % loop.rows())));
+  return area;
+}
+
 std::array<Index, 2> edge_between(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
 
 /// Triangles whose edges between vertices of one loop that are not of its border are halved: beyond such an edge all would come to lie on the
 /// straight end of a cylinder. points: two loops, the first with so many, and what is inside; the middles follow.
-std::vector<std::array<Index, 3>> with_chords_halved(const std::vector<std::array<Index, 3>>& triangles, Index outer, Index ends,
-                                                     PlanePoints& points) {
+std::vector<std::array<Index, 3>> with_chords_halved(const std::vector<std::array<Index, 3>>& triangles, Index of_first,
+                                                     Index ends, PlanePoints& points) {
   std::map<std::array<Index, 2>, int> uses;
   for (const std::array<Index, 3>& t : triangles)
     for (std::size_t k = 0; k < 3; ++k) ++uses[edge_between(t[k], t[(k + 1) % 3])];
   std::map<std::array<Index, 2>, Index> middle;
   for (const auto& [edge, count] : uses)
-    if (count > 1 && edge[1] < ends && (edge[0] < outer) == (edge[1] < outer))
+    if (count > 1 && edge[1] < ends && (edge[0] < of_first) == (edge[1] < of_first))
       middle[edge] = points.rows() + static_cast<Index>(middle.size());
   const Index given = points.rows();
   points.conservativeResize(given + static_cast<Index>(middle.size()), Eigen::NoChange);
@@ -150,24 +156,27 @@ PlaneTriangles spread_triangles(const std::vector<std::array<Index, 3>>& triangl
 
 SpreadRing::SpreadRing(const std::vector<std::array<Index, 3>>& triangles, const PlanePoints& points, const PlanePoints& ends_at)
     : points_(points) {
-  const Index ends = ends_at.rows(), outer = std::count(ends_at.col(1).begin(), ends_at.col(1).end(), 0.0);
-  triangles_ = with_chords_halved(triangles, outer, ends, points_);
+  const Index ends = ends_at.rows(), of_first = std::count(ends_at.col(1).begin(), ends_at.col(1).end(), 0.0);
+  triangles_ = with_chords_halved(triangles, of_first, ends, points_);
   turn_.resize(points_.rows());
   at_ = PlanePoints::Zero(points_.rows(), 2);
-  const Vec2 middle = inside_of(points_.middleRows(outer, ends - outer));
+  const std::array<PlanePoints, 2> loops = {points_.topRows(of_first), points_.middleRows(of_first, ends - of_first)};
+  const std::array<double, 2> areas = {twice_area(loops[0]), twice_area(loops[1])};
+  const double direction = areas[0] > 0 ? 1 : -1;  // inside out where the first loop is the inner one
+  const Vec2 middle = inside_of(std::abs(areas[0]) < std::abs(areas[1]) ? loops[0] : loops[1]);
   for (Index k = 0; k < points_.rows(); ++k)
-    turn_[k] = std::atan2(points_(k, 1) - middle[1], points_(k, 0) - middle[0]) / (2 * std::numbers::pi);
+    turn_[k] = direction * std::atan2(points_(k, 1) - middle[1], points_(k, 0) - middle[0]) / (2 * std::numbers::pi);
   // How much farther a vertex has turned than in the plane has one value, where its turn has as many as there are ways to it.
   const auto farther = [&](Index from, Index to) {
     return part_of_turn(ends_at(to, 0) - ends_at(from, 0)) - part_of_turn(turn_[to] - turn_[from]);
   };
   at_.topRows(ends) = ends_at;
-  for (const auto& [first, last] : {std::array{Index{0}, outer}, std::array{outer, ends}}) {
+  for (const auto& [first, last] : {std::array{Index{0}, of_first}, std::array{of_first, ends}}) {
     at_(first, 0) = part_of_turn(ends_at(first, 0) - turn_[first]);
     for (Index k = first + 1; k < last; ++k) at_(k, 0) = at_(k - 1, 0) + farther(k - 1, k);
   }
-  const double apart = at_.col(0).segment(outer, ends - outer).mean() - at_.col(0).head(outer).mean();
-  at_.col(0).segment(outer, ends - outer).array() -= std::round(apart);
+  const double apart = at_.col(0).segment(of_first, ends - of_first).mean() - at_.col(0).head(of_first).mean();
+  at_.col(0).segment(of_first, ends - of_first).array() -= std::round(apart);
   std::set<std::array<Index, 2>> joined;
   for (const std::array<Index, 3>& t : triangles_)
     for (std::size_t k = 0; k < 3; ++k) joined.insert(edge_between(t[k], t[(k + 1) % 3]));

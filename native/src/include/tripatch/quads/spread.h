@@ -43,8 +43,8 @@ PlaneTriangles spread_triangles(const std::vector<std::array<Index, 3>>& triangl
 /// The same between two loops: spread over a cylinder, whose places are (turn, height), the turn up to whole numbers.
 class SpreadRing {
 public:
-  /// points: the outer loop, the inner one, which runs against it, and what is inside, in a plane; ends_at: places of the loops' vertices on
-  /// the cylinder, of heights 0 and 1.
+  /// points: one loop, the other one, which runs against it, and what is between them, in a plane, where either is the outer one; ends_at: places
+  /// of the loops' vertices on the cylinder, of heights 0 and 1.
   SpreadRing(const std::vector<std::array<Index, 3>>& triangles, const PlanePoints& points, const PlanePoints& ends_at);
 
   /// In the plane.
