@@ -214,7 +214,7 @@ def _fill(args: argparse.Namespace) -> int:
             out = _out(args, mesh, found.joined)
         if not found.rims and not (choosing.keys() - {"outer"} and tripatch.choose_holes(mesh.vertices, mesh.faces)):
             return _copied(args, out, left, found.joined)
-    if found and (args.all or (len(found.rims) == 1 and not found.is_plain)):
+    if found and (args.all or (len(found.rims) - len(found.refused) <= 1 and not found.is_plain)):
         results = filling.fill_all(mesh.vertices, mesh.faces, found, progress=_progress, **options)
         holes = list(zip(results.rims, results, strict=True))
         if not holes:
