@@ -96,6 +96,17 @@ def test_why_prints_a_row_for_each_candidate_the_used_one_first(tmp_path, capsys
     assert any("skipped" in row for row in rows)
 
 
+@pytest.mark.parametrize("make", [octant, lambda: octant(4), lambda: octant(12)])
+def test_rows_of_candidates_differ_and_do_not_ask_for_auto(make):
+    vertices, faces, rim = make()
+    rows = candidates(vertices, faces, rim=rim)
+    assert len({(each.method, each.why.partition(": ")[0]) for each in rows if each.status == "skipped"}) == len(
+        [each for each in rows if each.status == "skipped"]
+    )
+    assert {"lower cap", "flat wall", "folded patch", "flat"} <= {each.why.partition(": ")[0] for each in rows}
+    assert not any("method auto" in each.why for each in rows)
+
+
 @pytest.mark.skipif(not SCRIPTS.exists(), reason="the scripts are not here")
 def test_the_choice_costs_little_on_held_out_holes(monkeypatch):
     """Error of what auto chose over that of the best candidate: patches continue a sphere exactly, splines know a hill better."""

@@ -466,14 +466,14 @@ Fill make_flat(FillProblem& problem, const TriedFills&) {
 
 /// All ways to fill a hole, the cheapest first. The patch is the second: the others ask for it (see patch_in).
 constexpr std::array strategies = {
-    Strategy{rows_method, skip_rows, make_rows},
-    Strategy{polygon_method, skip_patch, make_patch},
-    Strategy{polygon_method, skip_lower_cap, make_lower_cap},
-    Strategy{spline_method, skip_lid, make_lid},
-    Strategy{spline_method, skip_spline, make_spline},
-    Strategy{spline_method, skip_spline_with_planes, make_spline_with_planes},
-    Strategy{polygon_method, skip_folded, make_folded},
-    Strategy{spline_method, skip_flat, make_flat},
+    Strategy{rows_method, "", skip_rows, make_rows},
+    Strategy{polygon_method, "", skip_patch, make_patch},
+    Strategy{polygon_method, "lower cap", skip_lower_cap, make_lower_cap},
+    Strategy{spline_method, "flat wall", skip_lid, make_lid},
+    Strategy{spline_method, "", skip_spline, make_spline},
+    Strategy{spline_method, "tangent planes of the patch", skip_spline_with_planes, make_spline_with_planes},
+    Strategy{polygon_method, "folded patch", skip_folded, make_folded},
+    Strategy{spline_method, "flat", skip_flat, make_flat},
 };
 
 /// The edges of the rim at which a fill meets the mesh at an angle.

@@ -48,6 +48,12 @@ std::string why_not(const Quality& quality, const Quality& used) {
   return "is expected to be less accurate";
 }
 
+/// What is wrong, without what to do: another method is tried anyway.
+std::string reason_of(const CodedRefusal& refusal) {
+  const std::string said = refusal.what();
+  return said.substr(0, said.find(". "));
+}
+
 }  // namespace
 
 double root_mean_square(const Eigen::VectorXd& values) {
@@ -87,6 +93,7 @@ TriedFills try_all(FillProblem& problem, std::span<const Strategy> strategies, d
   for (const Strategy& strategy : strategies) {
     Tried now;
     now.row.method = strategy.method;
+    now.variant = strategy.variant;
     try {
       now.row.why = strategy.skips(problem, tried);
       const Tried* const best = best_of(tried);
@@ -100,7 +107,7 @@ TriedFills try_all(FillProblem& problem, std::span<const Strategy> strategies, d
       }
     } catch (const CodedRefusal& refusal) {
       now.row.status = CandidateStatus::refused;
-      now.row.why = refusal.what();
+      now.row.why = reason_of(refusal);
       now.refusal = refusal;
     }
     tried.push_back(std::move(now));
@@ -118,6 +125,7 @@ Fill selected(TriedFills tried) {
   std::vector<FillCandidate> rows;
   for (Tried& each : tried) {
     if (each.row.status == CandidateStatus::made) each.row.why = why_not(each.row.quality, best->row.quality);
+    if (*each.variant) each.row.why = each.variant + (": " + each.row.why);
     rows.push_back(each.row);
   }
   Fill fill = std::move(*tried[used].fill);

@@ -28,6 +28,7 @@ bool is_better(const Quality& a, const Quality& b);
 /// A candidate with its fill if it was made, or its refusal.
 struct Tried {
   FillCandidate row;
+  const char* variant = "";  ///< of its strategy
   std::optional<Fill> fill;
   std::optional<CodedRefusal> refusal;
 };
@@ -42,6 +43,8 @@ struct FillProblem;
 /// One way to fill a hole. tried: the candidates of the strategies before it.
 struct Strategy {
   const char* method;
+  /// What distinguishes it from others of the method; empty: it is the plain one.
+  const char* variant;
   /// Why it is not tried; empty: it is.
   std::string (*skips)(FillProblem&, const TriedFills& tried);
   /// May throw a CodedRefusal.
