@@ -430,6 +430,7 @@ def test_usd_references_are_kept_and_filled_by_opinions_of_this_layer(tmp_path, 
     stage.DefinePrim("/model").GetReferences().AddReference("./asset.usda", "/root")
     stage.GetRootLayer().Save()
     before, out = path.read_bytes(), tmp_path / "out" / "scene.usda"
+    assert len(files.read(tmp_path / "scene.usda").faces) == len(files.read(path).faces) > 0
     assert run(capsys, "fill", tmp_path / "scene.usda", out)[0] == 0
     assert path.read_bytes() == before and "@../asset.usda@" in out.read_text() and holes(out) == []
     assert UsdGeom.Sphere.Get(Usd.Stage.Open(str(out)), "/model/ball")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import functools
 import os
 import tempfile
 from collections.abc import Hashable, Iterator
@@ -93,11 +94,12 @@ class UsdFile(SceneFile):
         self._pxr = _pxr(suffix)
         self._folder = folder
         self.suffix = suffix
-        stage = self._pxr.Usd.Stage.Open(layer)
         self._meshes: list[_Mesh] = []
-        parts = list(self._read(stage))
         self._is_text = layer.GetFileFormat().formatId == "usda"
         self._layer = self._copied(layer)
+        if folder:  # a layer without a name has no folder that its references could count from
+            self._pxr.UsdUtils.ModifyAssetPaths(layer, functools.partial(_absolute, folder))
+        parts = list(self._read(self._pxr.Usd.Stage.Open(layer)))
         super().__init__(parts, given)
 
     @classmethod
@@ -385,6 +387,11 @@ def _set(sdf: Any, prim: Any, name: str, type_name: str, values: Array) -> Any:
     kind = attribute.typeName.type.pythonClass
     attribute.default = kind.FromNumpy(np.ascontiguousarray(values)) if values.dtype.kind in "fiub" else kind(values.tolist())
     return attribute
+
+
+def _absolute(folder: Path, asset: str) -> str:
+    """The path of a file that is there, by its root."""
+    return (folder / asset).as_posix() if asset and (folder / asset).exists() else asset
 
 
 def _moved(asset: str, before: Path | None, after: Path) -> str:
