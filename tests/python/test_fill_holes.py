@@ -103,6 +103,11 @@ def test_a_report_comes_with_the_mesh_if_it_is_asked_for():
     assert "1 filled" in repr(report) and "\n" not in repr(report)
 
 
+def test_a_wrong_option_names_the_function_that_was_called():
+    with pytest.raises(TypeError, match=r"^fill_holes\(\) has no option quads"):
+        tripatch.fill_holes(*sheet(), quads=True)
+
+
 def test_a_mesh_without_holes_comes_back_as_it_is():
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1.0]])
     faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])

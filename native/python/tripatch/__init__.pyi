@@ -357,6 +357,8 @@ def fill_holes(
     return_report: bool = False,
     rims: Sequence[Sequence[int] | Indices] | None = None,
     corners: Sequence[Sequence[int] | Indices | None] | None = None,
+    islands: Literal["auto", "none"] = "auto",
+    join: float | None = None,
     progress: Callable[[int, int], object] | None = None,
     # begin fill_all: scripts/stubs
     method: str = "auto",

@@ -16,7 +16,7 @@ from .errors import FillWarning, Refusal, wrong_type
 from .files.mesh_file import MeshFile
 from .filling import Fill, Fills, fill_all
 from .messages import Message
-from .options import takes_options
+from .options import checked, takes_options
 
 
 class HolesReport:
@@ -149,6 +149,8 @@ def fill_holes(
     return_report: bool = False,
     rims: Any = None,
     corners: Any = None,
+    islands: str = "auto",
+    join: float | None = None,
     progress: Callable[[int, int], object] | None = None,
     **options: Any,
 ) -> Any:
@@ -160,7 +162,7 @@ def fill_holes(
         faces: of positions: (m, 3) or (m, 4) int array, or a list of index lists.
         return_report: whether a `HolesReport` is returned too. Its fills of a Trimesh count vertices at one place, as where
             texture coordinates part, as one.
-        rims, corners, progress: as of `fill_all`.
+        rims, corners, islands, join, progress: as of `fill_all`.
         **options: see OPTIONS.
 
     Returns:
@@ -179,13 +181,15 @@ def fill_holes(
     if faces is None and not (hasattr(mesh, "vertices") and hasattr(mesh, "faces")):
         raise TypeError(Message("mesh_needed", {"function": "fill_holes()", "type": type(mesh).__name__}))
     vertices, own = (mesh, faces) if faces is not None else (mesh.vertices, mesh.faces)
+    checked("fill_all", options, "fill_holes")
     welded = None
     if faces is None and trimeshes.is_one(mesh):
         welded = trimeshes.Welded(mesh)
         vertices, own = welded.vertices, welded.faces
         rims = rims if rims is None else [welded.rim(loop) for loop in rims]
         corners = corners if corners is None else [each if each is None else welded.rim(each) for each in corners]
-    report = HolesReport(fill_all(np.asarray(vertices), own, rims, corners=corners, progress=progress, **options))
+    asked: dict[str, Any] = {"corners": corners, "islands": islands, "join": join, "progress": progress}
+    report = HolesReport(fill_all(np.asarray(vertices), own, rims, **asked, **options))
     if not return_report:
         if report.refusals and not report.fills:
             raise report.refusals[0]

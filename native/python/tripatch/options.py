@@ -269,8 +269,11 @@ def _ready(function: str) -> dict[str, Any]:
     return {option.name: value(option, option.default) for option in _rows(function) if option.kind != "subdivision"}
 
 
-def checked(function: str, given: dict[str, Any]) -> dict[str, Any]:
+def checked(function: str, given: dict[str, Any], called: str = "") -> dict[str, Any]:
     """The options of a function, by their types and with defaults, as the core reads them; it checks their ranges itself.
+
+    Args:
+        called: the function that a user called, if it is another.
 
     Raises:
         TypeError, ValueError: what is given has the wrong type or shape, or is no option. What a method takes the core knows.
@@ -278,7 +281,7 @@ def checked(function: str, given: dict[str, Any]) -> dict[str, Any]:
     rows, defaults, ready = _rows(function), _defaults(function), _ready(function)
     unknown = given.keys() - defaults.keys()
     if unknown:
-        said = {"function": f"{function}()", "name": min(unknown), **meant(min(unknown), defaults)}
+        said = {"function": f"{called or function}()", "name": min(unknown), **meant(min(unknown), defaults)}
         raise TypeError(Message("no_such_option", said))
     values, made = defaults | given, dict(ready)
     if "method" in values:
