@@ -68,6 +68,19 @@ void bind_borders(py::module_& m) {
                    {static_cast<Index>(each.on_others), static_cast<Index>(each.on_itself), each.edge[0], each.edge[1]});
              return found;
            })
+      .def("refusals",
+           [](const ConnectedMesh& connected, const std::vector<std::vector<Index>>& rims) {
+             py::list found;
+             for (const std::vector<Index>& rim : rims) {
+               try {
+                 check_finite(connected.mesh(), connected.around(), check_topology(connected.around(), rim));
+                 found.append(py::none());
+               } catch (const CodedRefusal& refusal) {
+                 found.append(refusal_object(refusal.message(), refusal.also()));
+               }
+             }
+             return found;
+           })
       .def("islands", [](const ConnectedMesh& connected, const std::vector<std::vector<Index>>& loops, bool parts) {
         py::gil_scoped_release release;
         return islands_of(connected.mesh(), connected.around(), loops, parts);

@@ -205,6 +205,34 @@ def test_filters_and_reasons_of_a_dry_run(tmp_path, capsys):
     assert run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--dry-run", "--max-edges", 3)[0] == 1
 
 
+def test_a_dry_run_does_not_promise_what_is_refused_before_any_fill(tmp_path, capsys):
+    source = tmp_path / "in"
+    source.mkdir()
+    vertices, faces = sphere_hole(3, rings=2)
+    broken = vertices.copy()
+    broken[12] = np.nan
+    write_obj(source / "flipped.obj", (vertices, [faces[0][::-1], *faces[1:]]))
+    write_obj(source / "nan.obj", (broken, faces))
+    options = ["--out", tmp_path / "out", "--workers", 0, "--worst", 0]
+    _, planned, _ = run(capsys, source, *options, "--dry-run")
+    run(capsys, source, *options)
+    told = {
+        line["input"]: line["reason"] for line in lines(tmp_path / "out") if line["status"] == "refused" and line.get("codes")
+    }
+    assert len(told) == 2
+    for name, reason in told.items():
+        assert any(row.startswith(f"{name}: Hole") and row.endswith(f": {reason}") for row in planned.splitlines()), planned
+
+
+def test_pillow_is_asked_for_only_if_pictures_are(tmp_path, capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "PIL", None)
+    source = spheres(tmp_path / "in", 1)
+    code, _, err = run(capsys, source, "-o", tmp_path / "out", "--workers", 0)
+    assert code == 0 and "tripatch: " not in err.replace("tripatch: 1 of 1 file", "")
+    code, _, err = run(capsys, source, "-o", tmp_path / "other", "--workers", 0, "--worst", 3)
+    assert code == 0 and "--worst needs Pillow: pip install 'tripatch[batch]'" in err
+
+
 def test_bad_files_among_good_ones_by_a_scheduler(tmp_path, capsys, cluster):
     """Each costs itself only, and the lines are the same bytes as from one process."""
     source = spheres(tmp_path / "in", 96)

@@ -26,6 +26,7 @@ from .progress import Progress
 from .settings import BATCH_OPTIONS, FILL, LIST, Settings
 
 DONE, NOTHING, USAGE, SOME, STOPPED = 0, 1, 2, 3, 130
+_WORST = 12  # seams in the picture
 
 
 def _range(text: str) -> tuple[int, int]:
@@ -78,7 +79,7 @@ def add(commands: Any) -> None:
     limits.add_argument("--time-limit", type=_seconds, **shown("time_limit_flag"))
     limits.add_argument("--memory-limit", type=_whole(200, sys.maxsize >> 20), **shown("memory_limit_flag"))
     limits.add_argument("--retries", type=_whole(0), default=1, **shown("retries_flag", default=1))
-    batch.add_argument("--worst", type=_whole(0), default=12, **shown("worst_flag", default=12))
+    batch.add_argument("--worst", type=_whole(0), **shown("worst_flag", default=_WORST))
     batch.add_argument("--blender", default="blender", **shown("blender_flag", default="blender"))
     batch.add_argument("--addon", **shown("addon_flag"))
     arguments.add_groups(batch, BATCH_OPTIONS.values())
@@ -94,7 +95,7 @@ def _words(args: argparse.Namespace) -> list[str]:
     words = [f"--root={args.root}"]
     for name in ("time_limit", "memory_limit", "retries", "worst", "blender", "addon"):
         value = getattr(args, name)
-        if value is not None and (name, value) not in (("retries", 1), ("worst", 12), ("blender", "blender")):
+        if value is not None and (name, value) not in (("retries", 1), ("blender", "blender")):
             words += given({name: value})
     return words + given(args.options)
 
@@ -230,13 +231,15 @@ def _end(args: argparse.Namespace, entries: Sequence[dict[str, Any]], settings: 
     _tell_left_open(entries)
     print(Message("lines_written", {"path": str(lines)}))
     total = sum(line["status"] == record.FILLED for entry in entries for line in entry["lines"][1:])
-    if args.worst and total:
+    shown = _WORST if args.worst is None else args.worst
+    if shown and total:
         try:
-            if pictures.sheet(out / journal.SHEET, pictures.worst(entries, args.worst), settings, total):
+            if pictures.sheet(out / journal.SHEET, pictures.worst(entries, shown), settings, total):
                 print(Message("sheet_written", {"path": str(out / journal.SHEET)}))
         except ImportError:
-            needed = {"what": journal.SHEET, "package": "Pillow", "install": "'tripatch[batch]'"}
-            _say(Message("package_needed", needed))
+            needed = {"what": "--worst", "package": "Pillow", "install": "'tripatch[batch]'"}
+            if args.worst is not None:
+                _say(Message("package_needed", needed))
     heads = [entry["lines"][0]["status"] for entry in entries]
     if all(status in (record.FILLED, record.NOTHING) for status in heads):
         return NOTHING if _filters_leave_all(entries) else DONE

@@ -121,6 +121,7 @@ def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, 
     loops = [loop for loop in holes.borders if loop[0] not in inside]
     others = [loop for loop in loops if loop[0] not in meant]
     reasons = _left(holes, others, settings) if others else {}
+    refusals = holes.connected.refusals(holes.rims) if settings.mode == LIST else []
     results: list[Any] = []
     try:
         if holes.rims and settings.mode != LIST:
@@ -139,7 +140,7 @@ def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, 
             left = {"outer": first not in reasons, "reason": reasons.get(first, OUTER)}
             line = record.of_hole(settings, name, **place, **left, status=record.LEFT)
         elif settings.mode == LIST:
-            no_hole = holes.refused.get(meant[first])
+            no_hole = holes.refused.get(meant[first]) or refusals[meant[first]]
             line = record.of_hole(settings, name, no_hole, **place, **({} if no_hole else {"status": record.LISTED}))
         else:
             line = record.of_hole(settings, name, results[meant[first]], **place, crease_max=sharp[meant[first]])
