@@ -110,6 +110,21 @@ def test_a_slit_between_t_junctions_is_refused_and_no_hole():
     assert fills[0].code == "slit_without_width" and fills.joined is None
 
 
+def test_a_hole_with_an_unjoined_crack_is_refused_and_filled_once_it_is_joined():
+    """The crack's sides have their vertices at other places: a fill through it would lie on the faces there."""
+    vertices, faces = sheet(6, 6.0, [14])
+    n, (end, middle) = len(vertices), (3 * 7 + 3, 3 * 7 + 4)
+    vertices = np.concatenate([vertices, [vertices[end], [3, 4.4, 0]]])
+    for face in faces:
+        x, y = vertices[face][:, :2].mean(axis=0)
+        if x == 2.5 and y in (3.5, 4.5):
+            face[:] = [{end: n, middle: n + 1}.get(v, v) for v in face]
+    (refusal,) = tripatch.fill_all(vertices, faces)
+    assert refusal.code == "edges_on_borders" and "4 of the 8 edges" in refusal.reason
+    (fill,) = tripatch.fill_all(vertices, faces, join=0.01)
+    assert len(fill.rim) == 4
+
+
 def box(noise=0.0):
     """A cube whose sides have rows of triangles of different sizes, so that their vertices lie within edges of other sides."""
     rng, points, faces = np.random.default_rng(0), [], []

@@ -90,7 +90,7 @@ class Holes:
         chosen = _lists(self.connected.chosen(given))
         outer = [] if given.get("outer") else _lists(self.connected.outer_borders())
         found = zip(borders, self.connected.contacts(), strict=True)
-        contacts = {loop[0]: contact for loop, contact in found if contact[0] or contact[1] == len(loop)}
+        contacts = {loop[0]: contact for loop, contact in found if contact[0] or contact[1]}
         near = [loop for loop in outer if loop[0] in contacts]
         self.outer = [loop for loop in outer if loop[0] not in contacts]
         unclosed = _lists(self.connected.unclosed())
@@ -195,8 +195,7 @@ def _not_closed(chain: list[int]) -> Refusal:
 
 
 def _refusal(loop: list[int], contact: Any) -> Refusal:
-    on_others, _, a, b = contact
-    code = "slit_without_width"
-    if on_others:
-        code = "rim_on_borders" if on_others == len(loop) else "edges_on_borders"
-    return Refusal.of(Message(code, {"count": int(on_others), "edges": len(loop), "edge": [int(a), int(b)]}, loop))
+    on_others, on_itself, a, b = contact
+    count = on_others + on_itself
+    code = "edges_on_borders" if count < len(loop) else "rim_on_borders" if on_others else "slit_without_width"
+    return Refusal.of(Message(code, {"count": int(count), "edges": len(loop), "edge": [int(a), int(b)]}, loop))
