@@ -162,6 +162,9 @@ def test_refused(name, tmp_path, capsys):
     assert vertices.tobytes() == before and [list(face) for face in faces] == lists
 
     code, out, err, written = on_command_line(tmp_path, capsys, vertices, faces, options)
+    if not len(faces):
+        assert (code, out, written) == (2, "", False) and "It has no faces" in err
+        return
     if code_of_it == "no_border":  # nothing was asked for that could not be done
         assert (code, out, err, written) == (0, "Nothing to fill: the mesh has no border\n", "", True)
         return

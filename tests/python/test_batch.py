@@ -251,7 +251,7 @@ def test_bad_files_among_good_ones_by_a_scheduler(tmp_path, capsys, cluster):
     made = heads(tmp_path / "out")
     assert made["broken.ply"]["status"] == made["gone.obj"]["status"] == made["empty.stl"]["status"] == "unreadable"
     assert "The PLY file is damaged" in made["broken.ply"]["reason"]
-    assert made["empty.obj"]["status"] == "nothing"
+    assert (made["empty.obj"]["status"], made["empty.obj"]["reason"]) == ("nothing", "It has no faces")
     assert made["m001.obj"]["status"] == "not written"
     assert made["m000.obj"]["status"] == "filled"
     assert sum(head["status"] == "filled" for head in made.values()) == 95

@@ -518,7 +518,7 @@ def test_ply_index_type_too_small(tmp_path):
 def test_ply_errors(form, tmp_path):
     data = ply(form)
     assert "damaged" in refused(data[:-30] if form != "ascii" else data[:-60], "a.ply", tmp_path)
-    assert "no vertices with x, y and z" in refused(data.replace(b"element face", b"element fate"), "a.ply", tmp_path)
+    assert "no faces, only 8 points" in refused(data.replace(b"element face", b"element fate"), "a.ply", tmp_path)
     assert "no vertices with x, y and z" in refused(data.replace(b"float x", b"float u"), "a.ply", tmp_path)
     assert "A line of the header cannot be read" in refused(
         data.replace(b"property float x", b"property half x"), "a.ply", tmp_path

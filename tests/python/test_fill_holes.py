@@ -258,6 +258,8 @@ def test_write_takes_pairs_and_meshes_and_says_what_it_needs(tmp_path, trimesh):
         tripatch.write(tmp_path / "a.ply", vertices)
     with pytest.raises(tripatch.FileError, match="cannot be read"):
         tripatch.read(tmp_path / "none.obj")
+    with pytest.raises(tripatch.FileError, match=r"^\.none files cannot be written"):
+        tripatch.write(tmp_path / "a.none", (vertices, faces))
 
 
 def cut_by_a_seam():

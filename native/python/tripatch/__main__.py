@@ -202,7 +202,7 @@ def _fill(args: argparse.Namespace) -> int:
     files.check_output(args.out)
     if args.report:
         files.check_folder(args.report)
-    mesh = files.read(args.input)
+    mesh = files.read_faces(args.input)
     out = _out(args, mesh)
 
     holes: list[tuple[Any, ...]] = []
@@ -277,7 +277,7 @@ def _fill(args: argparse.Namespace) -> int:
 def _smooth(args: argparse.Namespace) -> int:
     args.out = arguments.out_of(args)
     files.check_output(args.out)
-    mesh = files.read(args.input)
+    mesh = files.read_faces(args.input)
     smooth = tripatch.smooth_triangles(mesh.vertices, mesh.faces, resolution=args.resolution, curve=args.curve)
     files.write(args.out, smooth)
     if not args.quiet:

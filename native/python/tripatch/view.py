@@ -165,7 +165,7 @@ def run(args: argparse.Namespace) -> int:
     args.out = arguments.out_of(args)
     if args.out.suffix.lower() != ".png":
         raise ValueError(Message("wrong_suffix", {"path": str(args.out), "suffix": ".png"}))
-    mesh = files.read(args.input)
+    mesh = files.read_faces(args.input)
     if min(args.size) < 1:
         raise out_of_range("--size", min(args.size), 1)
     for name, values in (("--from", args.toward), ("--direction", args.direction), ("--lines", [args.lines])):

@@ -146,6 +146,8 @@ def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, 
             line = record.of_hole(settings, name, results[meant[first]], **place, crease_max=sharp[meant[first]])
         lines.append(line)
     values = {"sha256": sha256, "vertices": len(vertices), "faces": len(faces), **record.outcome(lines)}
+    if not len(faces):
+        values["reason"] = str(files.without_faces(len(vertices)))
     if values["filled"]:
         obstacle = _obstacle(mesh, [r for r in results if not isinstance(r, Refusal)], name, settings)
         if obstacle:

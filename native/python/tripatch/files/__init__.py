@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import os
 import re
+import stat
 from pathlib import Path
 from typing import Any
 
@@ -32,9 +33,20 @@ from .ply import PlyFile
 from .stl import StlFile
 from .threemf import ThreemfFile
 from .usd import UsdFile
-from .writing import FileError, unreadable, unwritable, write_over
+from .writing import FileError, unreadable, unwritable, without_faces, write_over
 
-__all__ = ["FileError", "MeshFile", "check_folder", "check_output", "converted", "read", "write", "write_over"]
+__all__ = [
+    "FileError",
+    "MeshFile",
+    "check_folder",
+    "check_output",
+    "converted",
+    "read",
+    "read_faces",
+    "without_faces",
+    "write",
+    "write_over",
+]
 
 _BINARY = rb"(?:\xef\xbb\xbf)?[A-Zn4]*OFF[ \t]+BINARY\b"
 _OWN: dict[str, Any] = {".obj": ObjFile, ".off": OffFile, ".ply": PlyFile, ".stl": StlFile}
@@ -57,12 +69,21 @@ def read(path: str | os.PathLike[str]) -> MeshFile:
     """
     path = Path(path)
     try:
-        path.stat()
+        if stat.S_ISDIR(path.stat().st_mode):
+            raise FileError(Message("is_a_folder"))
         if not path.suffix:
             raise FileError(Message("no_suffix", {"path": path.name}))
         return _class_for(path).of_path(path)
     except (FileError, OSError) as error:
         raise unreadable(path, error) from error
+
+
+def read_faces(path: Path) -> MeshFile:
+    """The same of a file that has faces."""
+    mesh = read(path)
+    if not len(mesh.faces):
+        raise unreadable(path, without_faces(len(mesh.vertices)))
+    return mesh
 
 
 def _class_for(path: Path) -> type[MeshFile]:
@@ -86,6 +107,7 @@ def write(path: str | os.PathLike[str], mesh: Any) -> None:
         FileError: the file cannot be written.
     """
     path = Path(path)
+    check_output(path)
     if not isinstance(mesh, MeshFile):
         pair = (mesh.vertices, mesh.faces) if hasattr(mesh, "vertices") and hasattr(mesh, "faces") else mesh
         if not isinstance(pair, tuple) or len(pair) != 2:

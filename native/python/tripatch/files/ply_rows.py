@@ -14,7 +14,7 @@ from .._types import Array
 from ..messages import Message
 from .lines import EditedLines, rows_of
 from .mesh_file import MeshFile
-from .writing import FileError, damaged
+from .writing import FileError, damaged, without_faces
 
 TYPES = {
     name: code
@@ -94,7 +94,7 @@ class PlyRows(MeshFile):
 
         found = {e.name: e for e in self._elements}
         if "vertex" not in found or "face" not in found:
-            raise FileError(Message("file_lacks_mesh", {"format": "PLY"}))
+            raise without_faces(found["vertex"].count if "vertex" in found else 0)
         self._vertex, self._face = found["vertex"], found["face"]
         self._xyz = [self._vertex.index(c) for c in "xyz"]
         self._index = max(self._face.index("vertex_indices"), self._face.index("vertex_index"))

@@ -41,6 +41,11 @@ def damaged(form: str, error: object = "") -> FileError:
     return FileError(Message("file_damaged", {"format": form, **({"reason": str(error)} if error else {})}))
 
 
+def without_faces(points: int) -> FileError:
+    """The error for a file that has points at most."""
+    return FileError(Message("file_without_faces", {"points": points} if points else {}))
+
+
 def write_over(path: Path, save: Callable[[Path], object]) -> None:
     """Has `save` write a file of a new name next to `path`, then puts it in its place: a full disk, or an end in between, costs
     nobody the file that was there. What is written over keeps its mode, owner and links."""
