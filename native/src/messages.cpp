@@ -74,6 +74,7 @@ private:
     const std::string_view kind = colon == std::string_view::npos ? "" : field.substr(colon + 1);
     const auto is_there = [&] { return std::ranges::count(message_.parameters, name, &Parameter::name) > 0; };
     if (kind == "if" && is_there()) return "";
+    if (kind == "option") return written(std::string(name), "names");
     if (name == "where") return written(message_.where, kind);
     const auto found = std::ranges::find(message_.parameters, name, &Parameter::name);
     if (found != message_.parameters.end())

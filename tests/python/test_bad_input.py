@@ -9,7 +9,7 @@ from codes import refused
 from scipy.spatial import Delaunay
 from shapes import cube_sphere, octant
 from tripatch import __main__ as cli
-from tripatch import words
+from tripatch import arguments, words
 
 OCTAHEDRON = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]], float)
 EIGHT = [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]]
@@ -172,7 +172,7 @@ def test_refused(name, tmp_path, capsys):
         assert (code, written) == (0, True) and out.startswith("Filled 1 hole")
         return
     assert (code, out, written) == (1, "", False)
-    assert caught.value.reason in err
+    assert caught.value.worded(names=arguments.NAMES) in err
     assert not has_place or all(re.search(rf"\b{v}\b", err) for v in caught.value.where[:8])
 
 

@@ -160,7 +160,7 @@ def test_some_refused(tmp_path, capsys):
 
 def test_what_is_said_of_several_holes_is_said_once_with_their_names(tmp_path, capsys):
     path, out = write_obj(tmp_path / "in.obj", sphere_hole(), sphere_hole(center=9.0), square()), tmp_path / "out.obj"
-    said = "shape has no effect: it is an option of szilvasi_nagy_c0, szilvasi_nagy_c1\n"
+    said = "--shape has no effect: it is an option of szilvasi_nagy_c0, szilvasi_nagy_c1\n"
     code, _, err = run(capsys, "fill", path, out, "--all", "--shape", "0.3")
     assert code == 0 and err == "tripatch: 3 holes at vertices 148, 0 and 72: " + said + COUNTS_FROM_0
     code, _, err = run(capsys, "fill", path, out, "--all", "--method", "side_vertex", "--shape", "0.3")
@@ -255,21 +255,21 @@ def test_a_fill_that_folds_is_no_success(one, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("args", "said"),
     [
-        (["--method", "none_such"], "method must be one of"),
-        (["--resolution", "0"], "resolution must be 1 or more, not 0"),
-        (["--resolution", "x"], "invalid int value"),
+        (["--method", "none_such"], "--method must be one of"),
+        (["--resolution", "0"], "--resolution must be 1 or more, not 0"),
+        (["--resolution", "x"], "--resolution: 'x' cannot be read"),
         (["--bulge", ",".join("1" * 13)], "for example, 1,0.5,1"),
         (["--bulge", "-1"], "bulge"),
         (["--shape", "a"], "'a' cannot be read"),
         (["--corners", "1"], "One corner is too few"),
-        (["--corners", "0,6,6"], "corners names vertex 6 twice"),
+        (["--corners", "0,6,6"], "--corners names vertex 6 twice"),
         (["--rim", "0,1,two"], "'0,1,two' cannot be read"),
         (["--rim", "0,1,5000"], "5000"),
         (["--all", "--corners", "0,6,12"], "--all and --corners cannot be used together"),
         (["--outer"], "--outer needs --all"),
         (["--max-edges", "9"], "--max-edges needs --all"),
-        (["--all", "--max-edges", "2"], "max_edges must be 3 or more, not 2"),
-        (["--all", "--corner-count", "6,2"], "corner_count must be the smallest and the largest"),
+        (["--all", "--max-edges", "2"], "--max-edges must be 3 or more, not 2"),
+        (["--all", "--corner-count", "6,2"], "--corner-count must be the smallest and the largest"),
         (["--frobnicate"], "Unknown arguments: --frobnicate"),
         (["--report", "/none/such/r.json"], "folder /none/such does not exist"),
     ],

@@ -4,6 +4,7 @@ import argparse
 import json
 import re
 
+import numpy as np
 import pytest
 import tripatch
 from test_cli import borders, sphere_hole, square, write_obj
@@ -120,11 +121,79 @@ def test_the_file_to_write_and_the_faces_may_be_named_either_way(where, how, one
 
 
 def test_one_file_to_write_is_named(one, tmp_path, capsys):
+    expected = "tripatch fill IN [-o] OUT [options]"
     code, _, err = run(capsys, "fill", one)
-    assert code == 2 and "Name the file to write: -o FILE" in err
-    code, _, err = run(capsys, "fill", one, tmp_path / "a.obj", "-o", tmp_path / "b.obj")
-    assert code == 2 and "cannot be used together" in err
-    assert not (tmp_path / "a.obj").exists() and not (tmp_path / "b.obj").exists()
+    assert code == 2 and f"Name the file to write: {expected}\n" in err
+    a, b, c = (tmp_path / f"{name}.obj" for name in "abc")
+    for more in ([a, "-o", b], [b, a], [b, c, a]):
+        code, _, err = run(capsys, "fill", one, *more)
+        left = " ".join(map(str, more[1:] if b in more[:1] else more[:1]))
+        assert code == 2 and f"Too many files: {left}. Expected {expected}; tripatch batch fills many files" in err
+    assert not any(path.exists() for path in (a, b, c))
+
+
+def test_a_folder_is_for_batch(tmp_path, capsys):
+    code, _, err = run(capsys, "fill", tmp_path, "-o", tmp_path / "out.obj")
+    assert (code, err) == (2, f"tripatch: {tmp_path} is a folder. Fill its files: tripatch batch {tmp_path} -o FOLDER\n")
+    code, _, err = run(capsys, "view", tmp_path, "-o", tmp_path / "a.png")
+    assert (code, err) == (2, f"tripatch: {tmp_path} cannot be read: It is a folder\n")
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".off", ".ply", ".stl"])
+def test_a_file_without_faces_is_called_so(suffix, tmp_path, capsys):
+    path = tmp_path / f"in{suffix}"
+    tripatch.write(path, (np.eye(3), np.zeros((0, 3), int)))
+    for command, out in (("fill", "out.obj"), ("view", "a.png"), ("smooth", "out.obj")):
+        code, _, err = run(capsys, command, path, "-o", tmp_path / out)
+        assert (code, "in" + suffix + " cannot be read: It has no faces" in err) == (2, True)
+        assert suffix == ".stl" or "only 3 points" in err
+
+
+def test_a_cloud_of_points_is_called_so(tmp_path, capsys):
+    properties = "".join(f"property float {axis}\n" for axis in "xyz")
+    (tmp_path / "in.ply").write_text(f"ply\nformat ascii 1.0\nelement vertex 2\n{properties}end_header\n0 0 0\n1 0 0\n")
+    code, _, err = run(capsys, "fill", tmp_path / "in.ply", "-o", tmp_path / "out.ply")
+    assert code == 2 and "It has no faces, only 2 points. Make a surface of them first" in err
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (["--resolution", "x"], "--resolution: 'x' cannot be read. Write, for example, 12"),
+        (["--join", "near"], "--join: 'near' cannot be read. Write, for example, 0.5"),
+        (["--resolution"], "--resolution needs N"),
+        (["--faces"], "--faces needs triangles|quads|cage"),
+        (["--all", "--rim", "0,1,2"], "--all and --rim cannot be used together"),
+        (["--rim", "0,1,5000"], "--rim names vertex 5000"),
+        (["--faces", "cages"], "--faces must be one of triangles, quads, cage, not 'cages'. Did you mean cage?"),
+    ],
+)
+def test_messages_name_options_as_the_command_line_does(given, said, one, tmp_path, capsys):
+    code, _, err = run(capsys, "fill", one, tmp_path / "out.obj", *given)
+    assert code == 2 and f": {said}" in err
+
+
+def test_the_ways_out_are_those_of_the_command_line_or_of_python(tmp_path, capsys):
+    path = write_obj(tmp_path / "in.obj", sphere_hole(), sphere_hole(5, center=5))
+    _, _, err = run(capsys, "fill", path, tmp_path / "out.obj")
+    assert "Name one (--rim=...), or fill all (--all)" in err
+    mesh = tripatch.read(path)
+    with pytest.raises(tripatch.Refusal, match=r"Name one \(rim=\.\.\.\), or fill all \(fill_all\)"):
+        tripatch.fill(mesh.vertices, mesh.faces)
+    assert "--shape has no effect" in run(capsys, "fill", path, tmp_path / "out.obj", "--all", "--shape", "0.3")[2]
+
+
+def test_an_interrupt_after_the_file_is_written_says_that_it_is(one, tmp_path, capsys, monkeypatch):
+    def interrupt(*_args, **_options):
+        raise KeyboardInterrupt
+
+    out = tmp_path / "out.obj"
+    monkeypatch.setattr(cli.words, "filled", interrupt)
+    code, _, err = run(capsys, "fill", one, out)
+    assert (code, err) == (130, f"tripatch: Interrupted; {out} is written\n") and out.exists()
+    out.unlink()
+    monkeypatch.setattr(cli.tripatch, "fill", interrupt)
+    assert run(capsys, "fill", one, out) == (130, "", "tripatch: Interrupted\n") and not out.exists()
 
 
 def test_json_is_all_that_is_printed(one, tmp_path, capsys):

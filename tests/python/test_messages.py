@@ -34,7 +34,7 @@ def test_patterns_are_well_formed(code):
         assert pattern.count("[") == pattern.count("]")
         assert not re.search(r"\[[^\]]*\[", pattern)
         for _, kind in fields(pattern):
-            assert kind in ("", "if", "degrees", "side", "names", "vertices", "Vertices") or "|" in kind
+            assert kind in ("", "if", "degrees", "side", "names", "option", "vertices", "Vertices") or "|" in kind
         assert pattern[0].isupper() or pattern[0] in "{[" or code.startswith("shape_key_")
         assert not pattern.endswith(".")
 
@@ -83,6 +83,11 @@ def test_counts_have_their_plural():
     assert "2 places" in tripatch.Message("patch_folds", {"places": 2})
 
 
+def test_options_that_a_sentence_names_have_the_name_of_the_interface():
+    said = tripatch.Message("rim_on_borders", {}, [3])
+    assert "(join=DISTANCE)" in said and "(--join=DISTANCE)" in said.worded(names={"join": "--join"})
+
+
 def test_of_many_vertices_the_first_are_named():
     assert "1, 2, 3, 4, 5, 6, 7, 8 and more" in tripatch.Message("faces_flipped", {}, range(1, 20))
 
@@ -111,7 +116,7 @@ def pseudo(pattern):
 
 
 #: What `format` itself says: vertices by number, and units.
-OF_FORMAT = re.compile(r"[Vv]ert(ex|ices)|[Tt]he selected|and more|and|degrees|auto|multi_sided")
+OF_FORMAT = re.compile(r"[Vv]ert(ex|ices)|[Tt]he selected|and more|and|degrees|auto|multi_sided|rim|join|fill_all")
 
 
 def names_in(message):

@@ -16,7 +16,9 @@ from tripatch import arguments, borders, files, filling, messages, view, words
 from tripatch.batch import command as batch
 from tripatch.batch import creases
 from tripatch.batch.record import plain
+from tripatch.errors import because
 from tripatch.files import evidence
+from tripatch.options import checked
 
 FILLED, NOTHING, USAGE, SOME = 0, 1, 2, 3
 INTERRUPTED = 130  # what shells say of SIGINT
@@ -39,14 +41,14 @@ def parser() -> argparse.ArgumentParser:
     fill.add_argument("--all", action="store_true", **shown("all_flag"))
     fill.add_argument("--report", type=Path, **shown("report_flag"))
     fill.add_argument("--deviation", action="store_true", **shown("deviation_flag"))
-    fill.add_argument("--join", type=float, **shown("join_flag"))
+    fill.add_argument("--join", type=arguments.number, **shown("join_flag"))
     arguments.add_groups(fill, OPTIONS.values())
     arguments.add_talk(fill, json=True)
     batch.add(commands)
     smooth = arguments.command(commands, "smooth")
     smooth.add_argument("input", type=Path, **shown("mesh_file_in"))
     arguments.add_out(smooth, "mesh_file_out")
-    smooth.add_argument("--resolution", type=int, default=8, **shown("edge_parts_flag", default=8))
+    smooth.add_argument("--resolution", type=arguments.whole, default=8, **shown("edge_parts_flag", default=8))
     smooth.add_argument("--curve", choices=("hermite", "smits"), default="hermite", **shown("curve_flag", default="hermite"))
     arguments.add_talk(smooth)
     strip = arguments.command(commands, "strip")
@@ -60,7 +62,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def _say(text: str) -> None:
-    print(f"tripatch: {text}", file=sys.stderr)
+    print(f"tripatch: {arguments.worded(text)}", file=sys.stderr)
 
 
 def _unheard(_: str) -> None:
@@ -140,15 +142,14 @@ def _options(args: argparse.Namespace) -> dict[str, Any]:
     options = {name: getattr(args, name) for name in OPTIONS if hasattr(args, name)}
     if isinstance(options.get("islands"), str):
         options.pop("islands")
-    arguments.check_choices(options)
     for name in options:
-        flag = arguments.flag(name)
         if args.all and name == "corners" and len(options[name]) == 0:
             continue  # all of them are round
         if args.all and "fill_all" not in OPTIONS[name].functions:
-            raise ValueError(tripatch.Message("options_exclusive", {"first": "--all", "second": flag}))
+            raise ValueError(tripatch.Message("options_exclusive", {"first": "--all", "second": name}))
         if not args.all and "fill" not in OPTIONS[name].functions:
-            raise ValueError(tripatch.Message("option_needs", {"option": flag, "needed": "--all"}))
+            raise ValueError(tripatch.Message("option_needs", {"option": name, "needed": "--all"}))
+    checked("fill_all" if args.all else "fill", {name: given for name, given in options.items() if name != "corners"})
     return options
 
 
@@ -178,6 +179,7 @@ def _out(args: argparse.Namespace, mesh: files.MeshFile, joined: borders.Joined 
 
 def _write(args: argparse.Namespace, out: files.MeshFile) -> None:
     out.write(args.out)
+    args.written = {"path": str(args.out)}
     if args.out.suffix.lower() != args.input.suffix.lower() and not args.quiet:
         _say(f"{args.out}: {tripatch.Message('only_geometry_written', {'suffix': args.input.suffix})}")
 
@@ -193,15 +195,22 @@ def _copied(args: argparse.Namespace, out: files.MeshFile, left: Sequence[Any], 
     return FILLED
 
 
-def _fill(args: argparse.Namespace) -> int:
+def _check_files(args: argparse.Namespace) -> None:
+    """Whether files are named that can be read and written, before the work is done."""
+    if args.input.is_dir():
+        raise ValueError(tripatch.Message("folder_given", {"path": str(args.input)}))
     args.out = arguments.out_of(args)
-    options = _options(args)
-    choosing = {name: options.pop(name) for name in list(options) if "choose_holes" in OPTIONS[name].functions}
     if args.report and os.path.realpath(args.report) in map(os.path.realpath, (args.input, args.out)):
         raise ValueError(tripatch.Message("would_overwrite", {"path": str(args.report), "option": "--report"}))
     files.check_output(args.out)
     if args.report:
         files.check_folder(args.report)
+
+
+def _fill(args: argparse.Namespace) -> int:
+    _check_files(args)
+    options = _options(args)
+    choosing = {name: options.pop(name) for name in list(options) if "choose_holes" in OPTIONS[name].functions}
     mesh = files.read_faces(args.input)
     out = _out(args, mesh)
 
@@ -314,11 +323,7 @@ def _methods() -> int:
     return FILLED
 
 
-def _run(argv: list[str] | None) -> int:
-    try:
-        args = parser().parse_args(argv)
-    except SystemExit as end:  # --help, --version, bad usage: already said
-        return int(end.code or 0)
+def _run(args: argparse.Namespace) -> int:
     if args.command == "methods":
         return _methods()
     if args.command == "batch":
@@ -332,15 +337,19 @@ def _run(argv: list[str] | None) -> int:
 
 def main(argv: list[str] | None = None) -> int:
     """Runs the command line and returns the exit status."""
+    args = argparse.Namespace(written={})
     try:
-        status = _run(argv)
+        parser().parse_args(argv, args)
+        status = _run(args)
         sys.stdout.flush()  # while it can be said that this fails
         return status
+    except SystemExit as end:  # --help, --version, bad usage: already said
+        return int(end.code or 0)
     except tripatch.Refusal as refusal:  # of what is asked for, not of a hole
         _refused(refusal)
         return NOTHING
     except (ValueError, TypeError) as error:  # a FileError, or an option that `fill` does not take
-        _say(str(error))
+        _say(because(error))
         return USAGE
     except OSError as error:
         _say(tripatch.Message("output_not_written", {"reason": str(error.strerror or error)}))
@@ -351,7 +360,7 @@ def main(argv: list[str] | None = None) -> int:
         _say(tripatch.Message("out_of_memory"))
         return USAGE
     except KeyboardInterrupt:
-        _say(tripatch.Message("interrupted"))
+        _say(tripatch.Message("interrupted", args.written))
         return INTERRUPTED
 
 

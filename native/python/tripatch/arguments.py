@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +14,25 @@ from ._arrays import MAX_SIDES
 from ._native import Option
 from .errors import meant, not_one_of
 from .messages import Message
-from .options import OPTIONS, described, groups, named_value
+from .options import OPTIONS, described, groups
 
 
 def unreadable(text: str, example: str) -> argparse.ArgumentTypeError:
     """The error for a text that is not such as the example."""
     return argparse.ArgumentTypeError(Message("text_unreadable", {"text": f"{text!r:.60}", "example": example}))
+
+
+def number(text: str, kind: Callable[[str], Any] = float, example: str = "0.5") -> Any:
+    """A number."""
+    try:
+        return kind(text)
+    except ValueError:
+        raise unreadable(text, example) from None
+
+
+def whole(text: str) -> int:
+    """A whole number."""
+    return int(number(text, int, "12"))
 
 
 def indices(text: str) -> list[int]:
@@ -105,9 +118,9 @@ def _or_none(read: Callable[..., Any], word: str) -> Callable[..., Any]:
 def reader(option: Option) -> Callable[..., Any]:
     """From a text to a value that `tripatch.fill` takes."""
     of_kind: dict[str, Callable[..., Any]] = {
-        "whole": int,
-        "number": float,
-        "position": float,
+        "whole": whole,
+        "number": number,
+        "position": number,
         "choice": str,
         "subdivision": _json,
     }
@@ -151,10 +164,13 @@ def flag(name: str) -> str:
     return FLAGS.get(name, f"--{name.replace('_', '-')}")
 
 
-def check_choices(given: Mapping[str, Any]) -> None:
-    """Whether options that have a name of their own here have one of their values; ValueError by that name."""
-    for name in FLAGS.keys() & given.keys():
-        named_value(given[name], OPTIONS[name], flag(name)[2:])
+#: What a command line calls what Python names.
+NAMES = {name: flag(name) for name in OPTIONS} | {"join": "--join", "fill_all": "--all"}
+
+
+def worded(said: str) -> str:
+    """A sentence as a command line says it."""
+    return said.worded(names=NAMES) if isinstance(said, Message) else said
 
 
 def _default(option: Option) -> dict[str, Any]:
@@ -227,10 +243,10 @@ def out_of(args: argparse.Namespace) -> Path:
         ValueError: none is named, or two are.
     """
     if args.out is not None and args.out_by_name is not None:
-        raise ValueError(Message("options_exclusive", {"first": str(args.out), "second": f"-o {args.out_by_name}"}))
+        raise ValueError(Message("files_left_over", {"words": str(args.out), "usage": messages.label(f"command_{args.command}")}))
     found: Path | None = args.out if args.out_by_name is None else args.out_by_name
     if found is None:
-        raise ValueError(Message("output_unnamed"))
+        raise ValueError(Message("output_unnamed", {"usage": messages.label(f"command_{args.command}")}))
     return found
 
 
@@ -254,7 +270,7 @@ class Parser(argparse.ArgumentParser):
     """A parser that takes whole names only, shows its help if nothing is given, and suggests what may have been meant."""
 
     def __init__(self, *args: Any, **settings: Any) -> None:
-        super().__init__(*args, **{"formatter_class": _Help, **settings, "allow_abbrev": False})
+        super().__init__(*args, **{"formatter_class": _Help, **settings, "allow_abbrev": False, "exit_on_error": False})
         self._optionals.title = messages.label("general_group")
         self._positionals.title = messages.label("arguments_group")
         next(action for action in self._actions if action.dest == "help").help = messages.text("help_flag")
@@ -265,18 +281,33 @@ class Parser(argparse.ArgumentParser):
         if not given and not all(action.option_strings for action in self._actions):
             self.print_help()
             self.exit(2)
-        found, unknown = super().parse_known_args(given, namespace)
+        try:
+            found, unknown = super().parse_known_args(given, namespace)
+        except argparse.ArgumentError as error:
+            said = error.message
+            self.error(Message("of_object", {"name": error.argument_name, "reason": said}) if error.argument_name else said)
         # argparse gives up on an argument that may be left out where options come before it
         late = [a for a in self._actions if a.nargs == "?" and not a.option_strings and getattr(found, a.dest) is None]
         if len(unknown) == len(late) == 1 and not unknown[0].startswith("-"):
             setattr(found, late[0].dest, self._get_value(late[0], unknown.pop()))
+        if unknown and not any(word.startswith("-") for word in unknown):
+            self.error(Message("files_left_over", {"words": " ".join(unknown), "usage": self.usage or self.prog}))
         if unknown:
             self.error(Message("unknown_arguments", {"words": " ".join(unknown), **self._meant(unknown[0])}))
         return found, unknown
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
-            raise argparse.ArgumentError(action, str(not_one_of(action.dest, value, action.choices)))
+            name = (*action.option_strings, action.dest)[0]
+            raise argparse.ArgumentError(None, str(not_one_of(name, value, action.choices)))
+
+    def _match_argument(self, action: argparse.Action, pattern: str) -> int:
+        try:
+            return super()._match_argument(action, pattern)
+        except argparse.ArgumentError:
+            needed = action.metavar or "|".join(action.choices or ())
+            said = Message("option_needs", {"option": action.option_strings[0], "needed": str(needed)})
+            raise argparse.ArgumentError(None, said) from None
 
     def _meant(self, word: str) -> dict[str, str]:
         shown = [name for action in self._actions if action.help != argparse.SUPPRESS for name in action.option_strings]

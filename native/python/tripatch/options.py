@@ -112,13 +112,13 @@ def _seen_names(option: str) -> dict[str, str]:
     return {each.label.lower(): each.name for each in OPTIONS[option].choices if each.label}
 
 
-def named_value(value: Any, option: Option, called: str = "") -> Any:
-    """The value of a choice, or a list of those by side. called: what an interface calls the option."""
+def named_value(value: Any, option: Option) -> Any:
+    """The value of a choice, or a list of those by side."""
     allowed = (None,) * option.optional + names(option)
 
     def named(each: Any) -> Any:
         known = each in allowed or not isinstance(each, str)
-        return choice(each if known else _seen_names(option.name).get(each.lower(), each), called or option.name, allowed)
+        return choice(each if known else _seen_names(option.name).get(each.lower(), each), option.name, allowed)
 
     if option.by_side:
         return [named(each) for each in _arrays.by_side(value, option.name, str)]

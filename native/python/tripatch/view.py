@@ -152,9 +152,9 @@ def add(commands: Any) -> None:
     eye, size = arguments.listed(EYE), arguments.listed(SIZE)
     view.add_argument("--from", dest="toward", type=_numbers(3), default=EYE, **shown("from_flag", default=eye))
     view.add_argument("--direction", type=_numbers(3), default=[0, 0, 1], **shown("direction_flag", default="0,0,1"))
-    view.add_argument("--lines", type=float, default=LINES, **shown("lines_flag", default=LINES))
-    view.add_argument("--max", type=float, **shown("max_flag"))
-    view.add_argument("--most", dest="max", type=float, help=argparse.SUPPRESS)  # its first name
+    view.add_argument("--lines", type=arguments.number, default=LINES, **shown("lines_flag", default=LINES))
+    view.add_argument("--max", type=arguments.number, **shown("max_flag"))
+    view.add_argument("--most", dest="max", type=arguments.number, help=argparse.SUPPRESS)  # its first name
     view.add_argument("--size", type=_numbers(2, int), default=SIZE, **shown("size_flag", default=size))
     arguments.add_talk(view)
     view.set_defaults(kind="zebra")

@@ -42,23 +42,19 @@ def _range(text: str) -> tuple[int, int]:
 
 def _whole(least: int, most: int = sys.maxsize) -> Any:
     def read(text: str) -> int:
-        value = int(text)
+        value = arguments.whole(text)
         if not least <= value <= most:
             raise argparse.ArgumentTypeError(*out_of_range("N", value, least, most).args)
         return value
 
-    read.__name__ = "whole number"
     return read
 
 
 def _seconds(text: str) -> float:
-    value = float(text)
+    value = float(arguments.number(text))
     if not 0 < value < threading.TIMEOUT_MAX:
         raise argparse.ArgumentTypeError(*out_of_range("SECONDS", value, 0, threading.TIMEOUT_MAX, is_open=True).args)
     return value
-
-
-_seconds.__name__ = "number of seconds"  # as it is called where the text is none
 
 
 def add(commands: Any) -> None:
@@ -87,7 +83,7 @@ def add(commands: Any) -> None:
 
 
 def _say(text: str) -> None:
-    print(f"tripatch: {text}", file=sys.stderr)
+    print(f"tripatch: {arguments.worded(text)}", file=sys.stderr)
 
 
 def _words(args: argparse.Namespace) -> list[str]:
@@ -119,7 +115,6 @@ def _settings(args: argparse.Namespace) -> tuple[list[Path], Settings]:
     found = inputs.from_list(args.files) if args.files else inputs.listed(args.inputs, out)
     root = inputs.root_of(found, args.root)
     given = {name: getattr(args, name) for name in BATCH_OPTIONS if hasattr(args, name)}
-    arguments.check_choices(given)
     # what no file could be filled with is said before the first
     asked = Settings("", "", given)
     choose_holes(np.eye(3), [[0, 1, 2]], **asked.choosing())

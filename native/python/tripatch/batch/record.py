@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from .. import arguments
 from ..errors import Refusal
 from .settings import Settings
 
@@ -23,6 +24,8 @@ UNREADABLE, NOT_WRITTEN, CRASHED, TIME_LIMIT, MEMORY_LIMIT = "unreadable", "not 
 #: What may go otherwise the next time: the next run tries these again.
 PASSING = (NOT_WRITTEN, CRASHED, TIME_LIMIT, MEMORY_LIMIT)
 LISTED, LEFT = "listed", "left"
+
+_NAMES = arguments.NAMES | {"join": "tripatch fill --join"}
 
 #: Codes of rims that lie upon other borders: faces meet there without being joined.
 _UNJOINED = {"edges_on_borders", "rim_on_borders"}
@@ -120,7 +123,7 @@ def of_file(settings: Settings, name: str, **values: Any) -> dict[str, Any]:
 def of_hole(settings: Settings, name: str, result: Any = None, **values: Any) -> dict[str, Any]:
     """The line of a hole: `result` is a Fill or a Refusal."""
     if isinstance(result, Refusal):
-        values |= {"status": REFUSED, "reason": result.reason, "where": list(result.where)[:_WHERE]}
+        values |= {"status": REFUSED, "reason": result.worded(names=_NAMES), "where": list(result.where)[:_WHERE]}
         values |= {"codes": [each.code for each in result.messages]}
     elif result is not None:
         values |= {"status": FILLED, "new_vertices": len(result.vertices), "new_faces": len(result.faces)}
