@@ -215,6 +215,7 @@ def test_a_dry_run_does_not_promise_what_is_refused_before_any_fill(tmp_path, ca
     write_obj(source / "nan.obj", (broken, faces))
     options = ["--out", tmp_path / "out", "--workers", 0, "--worst", 0]
     _, planned, _ = run(capsys, source, *options, "--dry-run")
+    assert ", 0 wide" not in planned
     run(capsys, source, *options)
     told = {
         line["input"]: line["reason"] for line in lines(tmp_path / "out") if line["status"] == "refused" and line.get("codes")
@@ -610,6 +611,7 @@ def test_only_a_scheduler_needs_dask(tmp_path, capsys, monkeypatch):
         (["in", "--tolerance", "1e400", "--emit", "slurm"], "--tolerance is not finite"),
         (["in", "--shape", "0.5,nan,0.5"], "shape[1] must be between 0 and 1"),
         (["in", "--alpha=-inf"], "--alpha is not finite"),
+        (["in", "--worst", "-1"], "must be 0 or more, not -1"),
         (["in", "--memory-limit", "199"], ", not 199"),
         (["in", "--memory-limit", "9" * 14], ", not 99999999999999"),
         (["in", "--time-limit", "soon"], "--time-limit: 'soon' cannot be read. Write, for example, 0.5"),

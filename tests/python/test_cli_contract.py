@@ -132,6 +132,14 @@ def test_one_file_to_write_is_named(one, tmp_path, capsys):
     assert not any(path.exists() for path in (a, b, c))
 
 
+def test_a_report_that_cannot_be_read_is_named(one, tmp_path, capsys):
+    report = tmp_path / "report.json"
+    for reason in ("No such file", "The JSON file is damaged"):
+        code, out, err = run(capsys, "strip", one, "-o", tmp_path / "out.obj", "--report", report)
+        assert (code, out) == (2, "") and f"{report} cannot be read: {reason}" in err
+        report.write_text("no report")
+
+
 def test_a_folder_is_for_batch(tmp_path, capsys):
     code, _, err = run(capsys, "fill", tmp_path, "-o", tmp_path / "out.obj")
     assert (code, err) == (2, f"tripatch: {tmp_path} is a folder. Fill its files: tripatch batch {tmp_path} -o FOLDER\n")

@@ -296,12 +296,9 @@ def _smooth(args: argparse.Namespace) -> int:
 
 def _strip(args: argparse.Namespace) -> int:
     args.out = arguments.out_of(args)
-    mesh = files.read(args.input)
+    mesh, report = files.read(args.input), files.read_report(args.report) if args.report else None
     try:
-        if args.report:
-            data = evidence.undone(args.input.read_bytes(), json.loads(args.report.read_bytes()))
-        else:
-            data = mesh.stripped()
+        data = evidence.undone(args.input.read_bytes(), report) if args.report else mesh.stripped()
     except (files.FileError, OSError, ValueError) as error:
         _say(f"{args.input}: {tripatch.Message('not_stripped', {'reason': str(error)})}")
         return NOTHING

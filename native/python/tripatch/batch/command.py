@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import io
+import math
 import os
 import signal
 import sys
@@ -40,7 +41,7 @@ def _range(text: str) -> tuple[int, int]:
     return of, to
 
 
-def _whole(least: int, most: int = sys.maxsize) -> Any:
+def _whole(least: int, most: float = math.inf) -> Any:
     def read(text: str) -> int:
         value = arguments.whole(text)
         if not least <= value <= most:
@@ -178,7 +179,8 @@ def _listing(entries: Sequence[dict[str, Any]]) -> int:
         for hole in holes:
             meant += hole["status"] == record.LISTED
             ob = f"{hole['object']}, " if hole["object"] else ""
-            of_loop = {"edges": hole["edges"], "size": f"{hole['diameter'] or 0:.3g}"}
+            of_loop: dict[str, Any] = {"edges": hole["edges"]}
+            of_loop |= {} if hole["diameter"] is None else {"size": f"{hole['diameter']:.3g}"}
             place = "" if hole["vertex"] is None else Message("hole_listed", of_loop, [hole["vertex"]])
             filled = [Message("would_be_filled")] if hole["status"] == record.LISTED else []
             what = ". ".join(filter(None, [*filled, hole["reason"]]))

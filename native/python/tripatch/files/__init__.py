@@ -15,6 +15,7 @@ what the file says of a face (material, group, color) from the faces around the 
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import stat
@@ -33,7 +34,7 @@ from .ply import PlyFile
 from .stl import StlFile
 from .threemf import ThreemfFile
 from .usd import UsdFile
-from .writing import FileError, unreadable, unwritable, without_faces, write_over
+from .writing import FileError, damaged, unreadable, unwritable, without_faces, write_over
 
 __all__ = [
     "FileError",
@@ -43,6 +44,7 @@ __all__ = [
     "converted",
     "read",
     "read_faces",
+    "read_report",
     "without_faces",
     "write",
     "write_over",
@@ -84,6 +86,16 @@ def read_faces(path: Path) -> MeshFile:
     if not len(mesh.faces):
         raise unreadable(path, without_faces(len(mesh.vertices)))
     return mesh
+
+
+def read_report(path: Path) -> Any:
+    """What a JSON file says."""
+    try:
+        return json.loads(path.read_bytes())
+    except OSError as error:
+        raise unreadable(path, error) from error
+    except ValueError:
+        raise unreadable(path, damaged("JSON")) from None
 
 
 def _class_for(path: Path) -> type[MeshFile]:
