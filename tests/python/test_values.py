@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import re
 
 import numpy as np
 import pytest
@@ -130,13 +131,15 @@ def test_a_mesh_that_has_changed_is_noticed_when_its_patch_is_made_again():
     assert fill.patch is not None
 
 
-def test_each_is_one_line_that_says_what_it_is():
+def test_each_is_one_line_that_says_what_it_is(tmp_path):
     fill = tripatch.fill(*octant(8)[:2], rim=octant(8)[2])
     said = [repr(each) for each in (fill, fill.report, fill.patch, *fill.sides, *PATCHES.values())]
     assert all(line.startswith("<tripatch.") and "\n" not in line and " at 0x" not in line for line in said)
     assert said[0].startswith(f"<tripatch.Fill: {len(fill.vertices)} new vertices, {len(fill.faces)} faces by side_vertex, seam")
     assert "side_vertex" in said[1]
     assert repr(tripatch.patch(sides())) == "<tripatch.Patch: 3 sides>"
+    tripatch.write(tmp_path / "a.obj", octant()[:2])
+    assert re.fullmatch(r"<tripatch.MeshFile .obj: \d+ vertices, \d+ faces>", repr(tripatch.read(tmp_path / "a.obj")))
     assert repr(sides()[0]) == "<tripatch.Side: from (0, 1, 0) to (0, 0, 1)>"
 
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import _arrays
+from .. import _arrays, words
 from .._types import Array
 from ..messages import Message
 from . import evidence
@@ -60,6 +60,10 @@ class MeshFile:
         self._face_of_edge: dict[tuple[int, int], int] = {}
         self._by_vertex: tuple[Array, Array] | None = None
         self._also_at: dict[int, list[int]] = {}  # faces that got a vertex within an edge
+
+    def __repr__(self) -> str:
+        said = f"{words.counted(len(self.vertices), 'vertex')}, {words.counted(len(self.faces), 'face')}"
+        return f"<tripatch.MeshFile {self.suffix}: {said}>"
 
     @property
     def deviation(self) -> Array | None:
