@@ -1,6 +1,7 @@
 # Pythons of other systems, run on this one: Windows by wine, Linux on arm64 by qemu. Sourced after scripts/setup.
 TEST_PACKAGES="$PYTEST iniconfig pluggy packaging pygments sortedcontainers colorama scipy==1.17.1 meshio==5.3.5 rich markdown-it-py mdurl
-trimesh==5.2.0 pillow==13.0.0"
+trimesh==5.2.0 pillow==13.0.0 dask==2026.8.0 distributed==2026.8.0 click cloudpickle fsspec importlib_metadata zipp lazy-importer jinja2 locket
+markupsafe msgpack partd psutil pyyaml tblib toolz tornado urllib3 zict"
 WINDOWS=$BUILD/windows-python
 ARM64=$BUILD/arm64
 

@@ -14,10 +14,13 @@ import tempfile
 import zipfile
 from pathlib import Path
 
+import lief
 from cross import BUILD, PLATFORMS, headers, import_library, run, toolchain
 
 PYTHON = "311"
-PANDA3D = "panda3d==1.10.16"
+# Its python311.dll is 3.11.1, the release before Debian's library of 3.11.2. Newer panda3d has 3.11.7 or 3.11.9, whose
+# importlib calls functions that 3.11.2 defines in another way.
+PANDA3D = "panda3d==1.10.13"
 PIP = [sys.executable, "-m", "pip", "--disable-pip-version-check"]
 WINDOWS = [
     "--only-binary",
@@ -39,6 +42,20 @@ int wmain(int argc, wchar_t** argv) { return Py_Main(argc, argv); }
 """
 
 
+def forwarder(library: Path, compiler: Path) -> None:
+    """Makes python3.dll next to python3XY.dll: modules of the stable ABI load it, and it hands every name on to that library."""
+    parsed = lief.parse(str(library))  # has to outlive what it holds
+    names = [entry.name for entry in parsed.get_export().entries if entry.name.startswith(("Py", "_Py"))]
+    with tempfile.TemporaryDirectory() as temporary:
+        definition, source = Path(temporary, "python3.def"), Path(temporary, "python3.c")
+        lines = "".join(f"    {name}={library.stem}.{name}\n" for name in names)
+        definition.write_text(f"LIBRARY python3.dll\nEXPORTS\n{lines}")
+        source.write_text("int DllMain(void* module, unsigned reason, void* reserved) { return 1; }\n")
+        made = Path(temporary, "python3.dll")
+        run([compiler, "-shared", "-nostdlib", "-Wl,--entry=DllMain", source, definition, "-o", made])
+        shutil.copy(made, library.with_name(made.name))
+
+
 def make(folder: Path, requirements: list[str]) -> None:
     platform = PLATFORMS["windows-x64"]
     shutil.rmtree(folder, ignore_errors=True)
@@ -53,16 +70,14 @@ def make(folder: Path, requirements: list[str]) -> None:
                 beside_program = part.name.lower().startswith(("python", "vcruntime"))
                 (folder if beside_program else folder / "DLLs").joinpath(part.name).write_bytes(archive.read(name))
     shutil.copytree(BUILD / "python-source" / PYTHON / "Lib", folder / "Lib", ignore=shutil.ignore_patterns("test", "idlelib"))
-    # The DLL's importlib is that of 3.11.9, which calls this on the class; in Debian's 3.11.2 it is no class method yet.
-    metadata = folder / "Lib" / "importlib" / "metadata" / "__init__.py"
-    method = "    def invalidate_caches(cls)"
-    metadata.write_text(metadata.read_text().replace(method, f"    @classmethod\n{method}"))
     toolchain(platform)
     library = import_library(PYTHON, headers(PYTHON, platform))
     program = folder / "python.c"
     program.write_text(PROGRAM)
-    run([BUILD / "cross" / platform.name / "cc", "-municode", program, library, "-o", folder / "python.exe"])
+    compiler = BUILD / "cross" / platform.name / "cc"
+    run([compiler, "-municode", program, library, "-o", folder / "python.exe"])
     program.unlink()
+    forwarder(folder / f"python{PYTHON}.dll", compiler)
     run(
         [
             *PIP,
