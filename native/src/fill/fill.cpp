@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <string>
 
@@ -287,16 +288,19 @@ void tell_odd(const FillOptions& options, Fill& fill) {
   if (triangles == 1) fill.report.warnings.push_back({Code::one_triangle});
 }
 
-/// How far the patch is from the vertices of the border that it is to meet.
+/// How far the patch is from the vertices of the border that it is to meet. Told if that turns its edges by more than the surroundings are
+/// known. A surface that continues all of them states its error instead.
 void measure_gap(const Mesh& mesh, Fill& fill) {
   const bool own = !fill.border.empty(), plane = fill.rim_barycentric.rows() == 0;
   const Points met = own ? Points(fill.vertices(fill.border, Eigen::all)) : Points(mesh.vertices(fill.rim, Eigen::all));
   const Points places = plane ? as_rows(own ? PlanePoints(fill.uv(fill.border, Eigen::all)) : fill.rim_uv)
                         : own ? Points(fill.barycentric(fill.border, Eigen::all))
                               : fill.rim_barycentric;
-  fill.report.boundary_gap = (fill.patch->positions(places) - met).rowwise().norm().maxCoeff();
-  if (!fill.sides.empty())
-    tell_gap(diameter(mesh, fill.rim), fill.report);  // a surface that continues all surroundings has its error instead
+  Report& report = fill.report;
+  report.boundary_gap = (fill.patch->positions(places) - met).rowwise().norm().maxCoeff();
+  const double edge = (met.bottomRows(met.rows() - 1) - met.topRows(met.rows() - 1)).rowwise().norm().mean();
+  const bool is_known = report.boundary_gap > report.surroundings_error * std::numbers::pi / 180 * edge;
+  if (!fill.sides.empty() && is_known) tell_gap(diameter(mesh, fill.rim), report);
 }
 
 Fill fill_by_method(const FillContext& context, const std::optional<std::vector<Index>>& rim, const Corners& corners,
