@@ -122,3 +122,24 @@ TEST_CASE("a quad begins where its triangles met, so that cut into a fan it is t
   CHECK((faces[0][0] == 0 || faces[0][0] == 2));
   CHECK((faces[0][2] == 0 || faces[0][2] == 2));
 }
+
+TEST_CASE("any number of pairs changes, and corners that will move may be flat where corners of the border may not") {
+  Points x(
+      10,
+      3);  // a strip of eight triangles: pairs of all but the first and the last are squares, others have corners of 45 degrees
+  Triangles t;
+  for (Index k = 0; k < 5; ++k) {
+    x.row(2 * k) << static_cast<double>(k), 0, 0;
+    x.row(2 * k + 1) << static_cast<double>(k + 1), 1, 0;
+  }
+  for (Index k = 0; k < 8; k += 2) {
+    t.push_back({k, k + 2, k + 1});
+    t.push_back({k + 2, k + 3, k + 1});
+  }
+  CHECK(quads(pair_quads(x, t)) == 3);
+  CHECK(quads(pair_quads(x, t, {40, 50})) == 4);
+  Points flat(4, 3);  // a corner of 160 degrees between two edges of the border
+  flat << 0, 0, 0, 1, 0, 0, 0.5, 1, 0, 0.5, -0.09, 0;
+  CHECK(quads(pair_quads(flat, {{0, 1, 2}, {0, 3, 1}}, {40, 75, 90})) == 1);
+  CHECK(quads(pair_quads(flat, {{0, 1, 2}, {0, 3, 1}}, {40, 65, 90})) == 0);
+}

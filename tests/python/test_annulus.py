@@ -206,8 +206,9 @@ def test_the_ends_of_two_pipes_are_one_hole_around_wide_bends(bend):
     assert abs(off).max() < 0.02 * 0.4
 
 
+@pytest.mark.parametrize("output", ["triangles", "quads"])
 @pytest.mark.parametrize("radii", [(0.45, 0.45, 0.45), (0.3, 0.5, 0.4), (0.5, 0.4, 0.4)])
-def test_the_three_arms_of_a_joint_are_one_hole(radii):
+def test_the_three_arms_of_a_joint_are_one_hole(radii, output):
     arms = []
     for k, radius in enumerate(radii):
         turn = TURN * k / 3
@@ -218,8 +219,10 @@ def test_the_three_arms_of_a_joint_are_one_hole(radii):
     islands = tripatch.borders.islands_of(vertices, faces, loops, parts=False)
     outer = max(range(3), key=lambda k: len(islands[k]))
     assert sorted([outer, *islands[outer]]) == [0, 1, 2]
-    fill = tripatch.fill(vertices, faces, rim=loops[outer], islands=[loops[k] for k in islands[outer]])
+    fill = tripatch.fill(vertices, faces, rim=loops[outer], islands=[loops[k] for k in islands[outer]], output=output)
     assert fill.report.triangles_folded == 0 and not fill.report.crosses_itself
+    if output == "quads":
+        assert sum(len(face) == 3 for face in fill.faces) <= 0.05 * len(fill.faces)
     check_closed(vertices, faces, fill, 3 * 24)
 
 

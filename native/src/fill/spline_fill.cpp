@@ -147,6 +147,9 @@ std::optional<PlaneLayout> brought_into_plane(const PlaneFill& made, std::option
   return layout;
 }
 
+/// Of triangles whose quads are smoothed afterwards: any corner will do.
+constexpr PairQuadsOptions any_pairs = {40, 40, 90};
+
 /// Kinds of quads that are tried, one after the other: a grid between four corners; what grows in from the rim as the faces around have it, or
 /// as the angles there do; else a disc with four poles. Grid and disc may have any quality while nothing is turned over.
 enum class QuadsIn { grid, as_faces, as_angles, disc };
@@ -162,6 +165,27 @@ std::optional<PlaneLayout> layout_of(const Mesh& mesh, const Connectivity& aroun
   return layout;
 }
 
+/// The same fill with other faces of its surface; false, and as it was, where they fold more than its own or cross each other. points: of
+/// the layout, the rim's first.
+bool take_faces(const Mesh& mesh, const std::vector<Index>& rim, const std::vector<AdjacentFace>& beyond,
+                const PlaneLayout& layout, const Points& points, PlaneFill& made) {
+  const Index added = points.rows() - layout.rim;
+  Faces cut = layout.faces;
+  begin_at_shorter_diagonals(points, Points(0, 3), cut);
+  Faces in_mesh = cut;
+  for (Index& v : in_mesh.corners) v = v < layout.rim ? rim[static_cast<std::size_t>(v)] : mesh.vertices.rows() + v - layout.rim;
+  if (count_folded_edges(mesh.vertices, points.bottomRows(added), in_mesh, beyond) > made.folds) return false;
+  if (crosses_itself(points, halves_of(cut))) return false;
+  const PlanePoints uv = layout.uv.bottomRows(added);
+  const Points normals = made.surface->normals(as_rows(uv));
+  made.deviation = deviation_at(made, uv);
+  made.vertices = points.bottomRows(added);
+  made.uv = uv;
+  made.normals = normals;
+  made.triangles = halves_of(cut);
+  return true;
+}
+
 /// The same fill with quads; empty where they are not good.
 std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
                                     const std::vector<Index>& corners, QuadsIn which, int rows, PlaneFill& made) {
@@ -170,22 +194,7 @@ std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around
   const Points border = mesh.vertices(rim, Eigen::all), points = smoothed_on(*layout, *made.surface, border);
   const double wanted = which == QuadsIn::grid || which == QuadsIn::disc ? 0 : min_sine;
   if (!points.allFinite() || !(quad_quality(points, layout->faces).least >= wanted)) return {};
-  const Index added = points.rows() - layout->rim;
-  Faces cut = layout->faces;
-  begin_at_shorter_diagonals(points, Points(0, 3), cut);
-  Faces in_mesh = cut;
-  for (Index& v : in_mesh.corners)
-    v = v < layout->rim ? rim[static_cast<std::size_t>(v)] : mesh.vertices.rows() + v - layout->rim;
-  const std::vector<AdjacentFace> beyond = faces_beyond(mesh, around, {rim});
-  if (count_folded_edges(mesh.vertices, points.bottomRows(added), in_mesh, beyond) > made.folds) return {};
-  if (crosses_itself(points, halves_of(cut))) return {};
-  const PlanePoints uv = layout->uv.bottomRows(added);
-  const Points normals = made.surface->normals(as_rows(uv));
-  made.deviation = deviation_at(made, uv);
-  made.vertices = points.bottomRows(added);
-  made.uv = uv;
-  made.normals = normals;
-  made.triangles = halves_of(cut);
+  if (!take_faces(mesh, rim, faces_beyond(mesh, around, {rim}), *layout, points, made)) return {};
   return layout;
 }
 
@@ -198,6 +207,48 @@ std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around
       if (std::optional<PlaneLayout> layout = quads_of(mesh, around, rim, corners, which, rows, made)) return layout;
     if (rows == 0) return {};
   }
+}
+
+/// Cosine between the halves of a quad, cut from its k-th corner on.
+double bend_of_halves(const Points& points, std::span<const Index> quad, std::size_t k) {
+  const auto at = [&](std::size_t i) -> Vec3 { return points.row(quad[(k + i) % 4]); };
+  const Vec3 across = at(2) - at(0);
+  return (at(1) - at(0)).cross(across).stableNormalized().dot(across.cross(at(3) - at(0)).stableNormalized());
+}
+
+/// Faces with quads halved that are nearly turned over, so that the halves bend least.
+Faces with_bad_quads_halved(const Points& points, const Faces& faces) {
+  Faces left;
+  for (Index f = 0; f < faces.size(); ++f) {
+    std::vector<Index> face(faces[f].begin(), faces[f].end());
+    Faces one;
+    one.add(face);
+    if (face.size() == 4 && quad_quality(points, one).least < min_sine) {
+      if (bend_of_halves(points, face, 1) > bend_of_halves(points, face, 0))
+        std::rotate(face.begin(), face.begin() + 1, face.end());
+      left.add(std::array{face[0], face[1], face[2]});
+      left.add(std::array{face[0], face[2], face[3]});
+    } else {
+      left.add(face);
+    }
+  }
+  return left;
+}
+
+/// Quads of pairs of the fill's triangles, whatever their corners are before they are smoothed on its surface. loops: of its rim.
+std::optional<PlaneLayout> paired_quads(const Mesh& mesh, const Connectivity& around,
+                                        const std::vector<std::vector<Index>>& loops, const std::vector<Index>& rim,
+                                        PlaneFill& made) {
+  const Points border = mesh.vertices(rim, Eigen::all);
+  PlaneLayout layout;
+  layout.rim = border.rows();
+  layout.uv = stacked(made.rim_uv, made.uv);
+  layout.faces = pair_quads(stacked(border, made.vertices), made.triangles, any_pairs);
+  const Points points = smoothed_on(layout, *made.surface, border);
+  if (!points.allFinite()) return {};
+  layout.faces = with_bad_quads_halved(points, layout.faces);
+  if (!take_faces(mesh, rim, faces_beyond(mesh, around, loops), layout, points, made)) return {};
+  return layout;
 }
 
 /// The fill of a part of a mesh. loops: of its border, the rim first.
@@ -227,6 +278,10 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   if (options.quads && !creased && loops.size() == 1 && options.through.empty())
     quads = quads_of(mesh, around, rim, options.corners, rows, made);
   if (!creased && !quads) halve_doubled(mesh, around, fill.rim, made);
+  if (options.quads && !creased && !quads && made.field && options.through.empty()) {
+    quads = paired_quads(mesh, around, loops, fill.rim, made);
+    rows = 0;
+  }
   const Index r = static_cast<Index>(fill.rim.size()), n = mesh.vertices.rows();
   const auto mesh_index = [&](Index row) { return row < r ? fill.rim[row] : n + row - r; };
   Points points(r + made.vertices.rows(), 3);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "tripatch/types.h"
@@ -12,6 +13,8 @@ namespace tripatch {
 struct PairQuadsOptions {
   double largest_fold = 40;    ///< degrees between the normals of the two triangles
   double largest_corner = 40;  ///< degrees by which a corner of a quad may differ from a right angle
+  std::optional<double> largest_free_corner =
+      {};  ///< the same of corners not between two edges of the border: their quads are smoothed
 };
 
 /// Joins triangles by twos into quads where these are good: the best pairs first, then triangles left over change partners where
