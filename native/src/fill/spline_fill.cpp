@@ -21,6 +21,7 @@
 #include "tripatch/output/polygon_cover.h"
 #include "tripatch/patch/moved_surface.h"
 #include "tripatch/quads/grown_quads.h"
+#include "tripatch/quads/quad_repair.h"
 #include "tripatch/quads/quad_smoothing.h"
 #include "tripatch/quads/spread.h"
 #include "tripatch/report/crossings.h"
@@ -209,32 +210,6 @@ std::optional<PlaneLayout> quads_of(const Mesh& mesh, const Connectivity& around
   }
 }
 
-/// Cosine between the halves of a quad, cut from its k-th corner on.
-double bend_of_halves(const Points& points, std::span<const Index> quad, std::size_t k) {
-  const auto at = [&](std::size_t i) -> Vec3 { return points.row(quad[(k + i) % 4]); };
-  const Vec3 across = at(2) - at(0);
-  return (at(1) - at(0)).cross(across).stableNormalized().dot(across.cross(at(3) - at(0)).stableNormalized());
-}
-
-/// Faces with quads halved that are nearly turned over, so that the halves bend least.
-Faces with_bad_quads_halved(const Points& points, const Faces& faces) {
-  Faces left;
-  for (Index f = 0; f < faces.size(); ++f) {
-    std::vector<Index> face(faces[f].begin(), faces[f].end());
-    Faces one;
-    one.add(face);
-    if (face.size() == 4 && quad_quality(points, one).least < min_sine) {
-      if (bend_of_halves(points, face, 1) > bend_of_halves(points, face, 0))
-        std::rotate(face.begin(), face.begin() + 1, face.end());
-      left.add(std::array{face[0], face[1], face[2]});
-      left.add(std::array{face[0], face[2], face[3]});
-    } else {
-      left.add(face);
-    }
-  }
-  return left;
-}
-
 /// Quads of pairs of the fill's triangles, whatever their corners are before they are smoothed on its surface. loops: of its rim.
 std::optional<PlaneLayout> paired_quads(const Mesh& mesh, const Connectivity& around,
                                         const std::vector<std::vector<Index>>& loops, const std::vector<Index>& rim,
@@ -244,6 +219,7 @@ std::optional<PlaneLayout> paired_quads(const Mesh& mesh, const Connectivity& ar
   layout.rim = border.rows();
   layout.uv = stacked(made.rim_uv, made.uv);
   layout.faces = pair_quads(stacked(border, made.vertices), made.triangles, any_pairs);
+  remove_doublets(layout);
   const Points points = smoothed_on(layout, *made.surface, border);
   if (!points.allFinite()) return {};
   layout.faces = with_bad_quads_halved(points, layout.faces);
