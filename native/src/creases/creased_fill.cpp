@@ -199,7 +199,7 @@ private:
   }
 
   /// Walls that meet along creases.
-  void join(const FlatWalls& walls) {
+  void join(const Walls& walls) {
     const Index r = static_cast<Index>(rim_.size());
     double sum = 0, count = 0;  // of sizes of edges at the rim
     for (const auto& [ends, crease] : walls.creases)

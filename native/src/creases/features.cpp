@@ -358,7 +358,7 @@ private:
 bool may_have_features(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
   const double across = diameter(mesh, rim);
   if (!(across > 0) || !std::isfinite(across)) return false;
-  return any_is_crease(mesh, around, rim) || flat_walls(mesh, around, rim, across, {});
+  return any_is_crease(mesh, around, rim) || find_walls(mesh, around, rim, across, {});
 }
 
 Features find_features(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
@@ -372,7 +372,7 @@ Features find_features(const Mesh& mesh, const Connectivity& around, const std::
   const CreaseFinder finder(mesh, around, rim, angles, across);
   features.creases = finder.creases(finder.ends());
   const std::vector<EdgePair> sharp = angles.all_sharp();
-  features.walls = flat_walls(mesh, around, rim, across, features.vertices, &sharp);
+  features.walls = find_walls(mesh, around, rim, across, features.vertices, &sharp);
   if (!features.creases.empty()) features.barred = sharp;
   return features;
 }

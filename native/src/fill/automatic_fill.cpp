@@ -9,7 +9,7 @@
 
 #include "tripatch/constructions/methods.h"
 #include "tripatch/creases/features.h"
-#include "tripatch/creases/flat_walls.h"
+#include "tripatch/creases/walls.h"
 #include "tripatch/fill/any_rim_fill.h"
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/fill/rows_fill.h"

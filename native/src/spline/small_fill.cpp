@@ -7,7 +7,7 @@
 #include <string>
 
 #include "tripatch/constructions/methods.h"
-#include "tripatch/creases/flat_walls.h"
+#include "tripatch/creases/walls.h"
 #include "tripatch/estimate/long_edges.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/height_models.h"

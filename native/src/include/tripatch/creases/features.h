@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "tripatch/creases/flat_walls.h"
+#include "tripatch/creases/walls.h"
 #include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
@@ -31,7 +31,7 @@ struct Crease {
 };
 
 struct Features {
-  std::optional<FlatWalls> walls;            ///< where walls around the hole meet in it
+  std::optional<Walls> walls;                ///< where walls around the hole meet in it
   std::vector<Crease> creases;               ///< as their ends say, none crosses another
   std::vector<Index> vertices;               ///< of the surroundings that were looked at, sorted
   std::vector<std::array<Index, 2>> barred;  ///< their sharp edges, lower vertex first, sorted: surfaces end there

@@ -185,7 +185,7 @@ bool at_top(const Vec3& p) { return std::max({p[0], p[1], p[2]}) > 0.999 && p[2]
 
 }  // namespace
 
-TEST_CASE("what a box has lost at an edge, a corner, two of them, or with a whole wall comes back", "[flat_walls]") {
+TEST_CASE("what a box has lost at an edge, a corner, two of them, or with a whole wall comes back", "[walls]") {
   const auto turned = [](double scale, const Vec3& shift) {
     const Eigen::Matrix3d turn = Eigen::Quaterniond(0.3, -0.5, 0.4, 0.7).normalized().toRotationMatrix();
     return [=](const Vec3& p) { return Vec3(scale * (turn * p) + shift); };
@@ -209,17 +209,17 @@ TEST_CASE("what a box has lost at an edge, a corner, two of them, or with a whol
     }
 }
 
-TEST_CASE("a wall of which nothing is left may have a rim of hundreds of edges", "[flat_walls]") {
+TEST_CASE("a wall of which nothing is left may have a rim of hundreds of edges", "[walls]") {
   const Solid open = cube(150).without(at_top);
   const Measures made = closed(open.mesh(), filled(open));
   CHECK(made.volume == Approx(8).epsilon(1e-9));
   CHECK(made.area == Approx(24).epsilon(1e-9));
 }
 
-TEST_CASE("walls that meet in a point by fours and more are a pyramid's", "[flat_walls]") {
+TEST_CASE("walls that meet in a point by fours and more are a pyramid's", "[walls]") {
   for (int n = 4; n <= 12; ++n) {
     const Solid open = pyramid(n, 2);
-    const std::optional<FlatWalls> walls = open.features().walls;
+    const std::optional<Walls> walls = open.features().walls;
     INFO("n " << n);
     REQUIRE(walls);
     CHECK(walls->nodes.size() == 1);
@@ -228,7 +228,7 @@ TEST_CASE("walls that meet in a point by fours and more are a pyramid's", "[flat
   }
 }
 
-TEST_CASE("walls are not continued beyond a wall that has lost nothing", "[flat_walls]") {
+TEST_CASE("walls are not continued beyond a wall that has lost nothing", "[walls]") {
   for (int n = 7; n < 16; ++n)
     for (const double height : {0.5, 2.0}) {
       const Solid open = without_walls(prism(n, height), n, 3);
@@ -238,7 +238,7 @@ TEST_CASE("walls are not continued beyond a wall that has lost nothing", "[flat_
     }
 }
 
-TEST_CASE("one of the walls that meet may be left as a sliver, not two", "[flat_walls][thresholds]") {
+TEST_CASE("one of the walls that meet may be left as a sliver, not two", "[walls][thresholds]") {
   for (const bool two : {false, true}) {  // of the top a quad is left, of the wall x = 1 two rows or a quad
     const Solid open = cube(3).without([&](const Vec3& p) {
       const bool is_middle = std::abs(p[1]) < 0.1;
@@ -250,7 +250,7 @@ TEST_CASE("one of the walls that meet may be left as a sliver, not two", "[flat_
   }
 }
 
-TEST_CASE("what a prism has lost whole comes back as its rim tells it", "[flat_walls]") {
+TEST_CASE("what a prism has lost whole comes back as its rim tells it", "[walls]") {
   for (int n = 5; n < 15; ++n)
     for (const double height : {0.5, 2.0}) {
       const Solid whole = prism(n, height);
@@ -272,7 +272,7 @@ TEST_CASE("what a prism has lost whole comes back as its rim tells it", "[flat_w
     }
 }
 
-TEST_CASE("walls that meet sharply are no folds but their own", "[flat_walls]") {
+TEST_CASE("walls that meet sharply are no folds but their own", "[walls]") {
   for (const double width : {0.1, 0.3, 1.0}) {  // a prism over a narrow triangle: a, d, b, c, e around it, at three heights
     std::vector<Vec3> points;
     for (const double z : {0.0, 1.0, 2.0})
@@ -293,7 +293,7 @@ TEST_CASE("walls that meet sharply are no folds but their own", "[flat_walls]") 
   }
 }
 
-TEST_CASE("a flat rim in a wall that ends at it is filled in that wall", "[flat_walls]") {
+TEST_CASE("a flat rim in a wall that ends at it is filled in that wall", "[walls]") {
   for (const int n : {2, 3, 5}) {
     const Solid whole = cube(n),
                 open = whole.without([&](const Vec3& p) { return p[2] > 0.999 && p.head<2>().minCoeff() > 1 - 2.0 / n; });
@@ -311,7 +311,7 @@ TEST_CASE("a flat rim in a wall that ends at it is filled in that wall", "[flat_
     }
 }
 
-TEST_CASE("no crease shows at the rim of a lost face, and none is made", "[flat_walls]") {
+TEST_CASE("no crease shows at the rim of a lost face, and none is made", "[walls]") {
   const Solid octahedron({{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}},
                          {{1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}});
   CHECK_FALSE(octahedron.features().walls);
@@ -320,7 +320,7 @@ TEST_CASE("no crease shows at the rim of a lost face, and none is made", "[flat_
   CHECK_FALSE(open.features().walls);
 }
 
-TEST_CASE("a hole in the middle of a wall is flat whatever is around the wall", "[flat_walls]") {
+TEST_CASE("a hole in the middle of a wall is flat whatever is around the wall", "[walls]") {
   for (const int n : {3, 5, 9}) {
     const Solid open =
         cube(n).without([&](const Vec3& p) { return p[2] > 0.999 && p.head<2>().cwiseAbs().maxCoeff() < 1.01 / n; });
@@ -338,10 +338,10 @@ TEST_CASE("a hole in the middle of a wall is flat whatever is around the wall", 
   const Solid sheet(points, faces);  // of a sheet any fill is
   const Mesh flat = sheet.mesh();
   const std::vector<Index> rim = {189, 190, 210, 209};
-  CHECK_FALSE(flat_walls(flat, Connectivity(flat), rim, diameter(flat, rim), {}));
+  CHECK_FALSE(find_walls(flat, Connectivity(flat), rim, diameter(flat, rim), {}));
 }
 
-TEST_CASE("the tip of a ball of triangles is no lost wall", "[flat_walls]") {
+TEST_CASE("the tip of a ball of triangles is no lost wall", "[walls]") {
   const double g = std::numbers::phi;  // an icosahedron without what is at the vertex (0, 1, g)
   const Solid whole({{-1, g, 0},
                      {1, g, 0},
@@ -375,7 +375,7 @@ TEST_CASE("the tip of a ball of triangles is no lost wall", "[flat_walls]") {
   CHECK(walls_end_at_flat_rim(open.mesh(), Connectivity(open.mesh()), open.rim(), open.across()));
 }
 
-TEST_CASE("vertices are in a plane within 1e-4 of the hole", "[flat_walls]") {
+TEST_CASE("vertices are in a plane within 1e-4 of the hole", "[walls]") {
   const Solid open = cube(5).without(at_corner);
   for (const double off : {0.8, 1.25}) {
     const Solid bent = open.moved([&](const Vec3& p) {
@@ -386,7 +386,7 @@ TEST_CASE("vertices are in a plane within 1e-4 of the hole", "[flat_walls]") {
   }
 }
 
-TEST_CASE("a wall of which nothing is left is told by a rim that turns by 20 degrees", "[flat_walls]") {
+TEST_CASE("a wall of which nothing is left is told by a rim that turns by 20 degrees", "[walls]") {
   for (const double degrees : {18.0, 22.0}) {
     const double a = degrees * std::numbers::pi / 180;
     // the wall x = 1 is gone, with what is next to it; of its two edges that are left one runs aslant
@@ -397,7 +397,7 @@ TEST_CASE("a wall of which nothing is left is told by a rim that turns by 20 deg
   }
 }
 
-TEST_CASE("walls that meet more than a diameter away do not close a hole", "[flat_walls]") {
+TEST_CASE("walls that meet more than a diameter away do not close a hole", "[walls]") {
   double height = 1;
   const auto farness = [&] {
     const Solid open = pyramid(4, height);
@@ -410,7 +410,7 @@ TEST_CASE("walls that meet more than a diameter away do not close a hole", "[fla
     while (farness() < share) height *= 1.01;
     const Solid open = pyramid(4, height);
     const Mesh mesh = open.mesh();
-    CHECK(flat_walls(mesh, Connectivity(mesh), open.rim(), open.across(), {}).has_value() == (share < 1));
+    CHECK(find_walls(mesh, Connectivity(mesh), open.rim(), open.across(), {}).has_value() == (share < 1));
   }
 }
 
@@ -462,32 +462,32 @@ Solid jagged_prism(Index n) {
   return {points, faces};
 }
 
-std::optional<FlatWalls> walls_of(const Solid& open) {
+std::optional<Walls> walls_of(const Solid& open) {
   const Mesh mesh = open.mesh();
-  return flat_walls(mesh, Connectivity(mesh), open.rim(), open.across(), {});
+  return find_walls(mesh, Connectivity(mesh), open.rim(), open.across(), {});
 }
 
 }  // namespace
 
-TEST_CASE("walls come back of which nothing is left where they are three, not four", "[flat_walls]") {
-  const std::optional<FlatWalls> walls = walls_of(lower_kites(3));
+TEST_CASE("walls come back of which nothing is left where they are three, not four", "[walls]") {
+  const std::optional<Walls> walls = walls_of(lower_kites(3));
   REQUIRE(walls);
   CHECK(walls->parts.size() == 3);
   CHECK((walls->nodes.at(0) - Vec3(0, 0, 0.45)).norm() < 1e-9);
   CHECK_FALSE(walls_of(lower_kites(4)));
 }
 
-TEST_CASE("a wall of which nothing is left is sought among eight planes that the rim tells, not nine", "[flat_walls]") {
+TEST_CASE("a wall of which nothing is left is sought among eight planes that the rim tells, not nine", "[walls]") {
   CHECK(walls_of(jagged_prism(10)));  // the cap's, and one at each crease that the rim crosses: all but three
   CHECK_FALSE(walls_of(jagged_prism(11)));
 }
 
-TEST_CASE("walls in more than sixteen planes are not looked at", "[flat_walls]") {
+TEST_CASE("walls in more than sixteen planes are not looked at", "[walls]") {
   for (const int n : {16, 18}) {  // a cap and a wall are lost: n - 1 walls and the other cap are next to
     const Solid whole = prism(n, 1, 0.6),
                 open = whole.without([&](const Vec3& p) { return p[2] > 0.9 || (p - whole.middle(2)).norm() < 1e-9; });
     const Mesh mesh = open.mesh();
-    CHECK(flat_walls(mesh, Connectivity(mesh), open.rim(), open.across(), {}).has_value() == (n == 16));
+    CHECK(find_walls(mesh, Connectivity(mesh), open.rim(), open.across(), {}).has_value() == (n == 16));
   }
 }
 
@@ -520,7 +520,7 @@ bool walls_end(const Solid& open) {
 
 }  // namespace
 
-TEST_CASE("walls end at a flat rim that all lean against it by 40 degrees, or half of them by 60", "[flat_walls][thresholds]") {
+TEST_CASE("walls end at a flat rim that all lean against it by 40 degrees, or half of them by 60", "[walls][thresholds]") {
   CHECK(walls_end(below_square({90, 90, 90, 90})));
   CHECK_FALSE(walls_end(below_square({39.5, 39.5, 39.5, 39.5})));
   CHECK(walls_end(below_square({40.5, 40.5, 40.5, 40.5})));
@@ -529,7 +529,7 @@ TEST_CASE("walls end at a flat rim that all lean against it by 40 degrees, or ha
   CHECK_FALSE(walls_end(below_square({60.5, 59.5, 30, 30})));
 }
 
-TEST_CASE("walls that lean under a flat rim by 150 degrees need not meet at creases", "[flat_walls][thresholds]") {
+TEST_CASE("walls that lean under a flat rim by 150 degrees need not meet at creases", "[walls][thresholds]") {
   const auto dish = [](double degrees) {  // eight walls, 21 to 23 degrees between each and the next
     const double depth = 0.5 * std::tan((180 - degrees) * std::numbers::pi / 180);
     std::vector<Vec3> points;
@@ -548,13 +548,12 @@ TEST_CASE("walls that lean under a flat rim by 150 degrees need not meet at crea
   CHECK_FALSE(walls_end(dish(149.5)));
 }
 
-TEST_CASE("walls of a straight tube end at its flat rim whatever the angles between them", "[flat_walls]") {
+TEST_CASE("walls of a straight tube end at its flat rim whatever the angles between them", "[walls]") {
   for (const double degrees : {0.95, 1.05, 24.5, 25.5})
     CHECK(walls_end(below_square({90, 90, 90, 90}, std::tan(degrees * std::numbers::pi / 360))));
 }
 
-TEST_CASE("walls that bend by a tenth of a radian over the radius of a flat rim are no straight tube",
-          "[flat_walls][thresholds]") {
+TEST_CASE("walls that bend by a tenth of a radian over the radius of a flat rim are no straight tube", "[walls][thresholds]") {
   const auto tube = [](double narrower) {  // sixteen walls of two quads each, the lower ones leaning
     std::vector<Vec3> points;
     std::vector<std::vector<Index>> faces;
@@ -576,7 +575,7 @@ TEST_CASE("walls that bend by a tenth of a radian over the radius of a flat rim 
   CHECK_FALSE(walls_end(tube(0.115)));
 }
 
-TEST_CASE("a flat rim is a hole in a wall whose end is in the sixth ring around it or before", "[flat_walls][thresholds]") {
+TEST_CASE("a flat rim is a hole in a wall whose end is in the sixth ring around it or before", "[walls][thresholds]") {
   for (const int n : {11, 13}) {  // a quad in the middle of the top is gone: five or six rings of quads around it lie in it
     const Solid open =
         cube(n).without([&](const Vec3& p) { return p[2] > 0.999 && p.head<2>().cwiseAbs().maxCoeff() < 0.5 / n; });

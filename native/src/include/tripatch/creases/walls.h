@@ -19,7 +19,7 @@ namespace tripatch {
 inline constexpr double min_crease_angle = 25 * std::numbers::pi / 180;
 
 /// Walls that close a hole, one or more. Corners are numbered: places in the rim, then nodes.
-struct FlatWalls {
+struct Walls {
   std::vector<Vec3> nodes;                ///< inside the hole
   std::vector<double> deviation;          ///< of the nodes, scene units
   std::vector<std::vector<Index>> parts;  ///< corners around each, as new faces traverse it
@@ -35,8 +35,8 @@ struct FlatWalls {
 /// wall. Of a flat rim one wall, which continues next to all or some of it and ends at the rest or near by, else none: a cap may lie
 /// on it. Faces are sought among those whose vertices are all `near`, sorted. sharp: edges, the lower vertex first, sorted; with them, where
 /// planes do not meet, walls are the smooth pieces between these edges. None if such a piece does not tell how it continues.
-std::optional<FlatWalls> flat_walls(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across,
-                                    const std::vector<Index>& near, const std::vector<std::array<Index, 2>>* sharp = nullptr);
+std::optional<Walls> find_walls(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across,
+                                const std::vector<Index>& near, const std::vector<std::array<Index, 2>>* sharp = nullptr);
 
 /// Whether the rim is flat, and the faces next to it are walls that end there at an angle, each with the next or round a straight tube: what is
 /// lost is another wall of the solid.

@@ -1,4 +1,4 @@
-#include "tripatch/creases/flat_walls.h"
+#include "tripatch/creases/walls.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -57,9 +57,9 @@ public:
         across_(across) {}
 
   /// Planes, or else smooth pieces.
-  std::optional<FlatWalls> walls() {
+  std::optional<Walls> walls() {
     if (const Wall flat = plane_of_rim(); contains(flat, rim_)) return wall_of(flat);
-    std::optional<FlatWalls> found = read_planes() ? meeting_walls() : std::nullopt;
+    std::optional<Walls> found = read_planes() ? meeting_walls() : std::nullopt;
     return found || !read_pieces() ? found : meeting_walls();
   }
 
@@ -99,9 +99,9 @@ public:
 
 private:
   /// Those that are seen, where they meet; else as few as will do, with others that are lost; else with one that seems whole.
-  std::optional<FlatWalls> meeting_walls() {
+  std::optional<Walls> meeting_walls() {
     const Points points = mesh_.vertices(rim_, Eigen::all);
-    const auto meeting = [&](int whole) { return least_meeting(planes_, points, walls_of_edges(whole), across_); };
+    const auto meeting = [&](int whole) { return least_meeting(walls_, points, walls_of_edges(whole), across_); };
     std::optional<WallMeeting> best = meeting(0);
     const std::vector<Wall> unseen = best || !all_flat() ? std::vector<Wall>() : unseen_planes();
     for (std::size_t lost = 1; lost <= std::min(max_lost, unseen.size()); ++lost) {
@@ -109,22 +109,22 @@ private:
       std::vector<char> taken(unseen.size(), 0);
       std::fill(taken.begin(), taken.begin() + lost, 1);
       do {
-        planes_.erase(planes_.begin() + static_cast<std::ptrdiff_t>(seen_), planes_.end());
+        walls_.erase(walls_.begin() + static_cast<std::ptrdiff_t>(seen_), walls_.end());
         for (std::size_t k = 0; k < unseen.size(); ++k)
-          if (taken[k]) planes_.push_back(unseen[k]);
+          if (taken[k]) walls_.push_back(unseen[k]);
         std::optional<WallMeeting> found = meeting(0);
         const auto rank = [](const WallMeeting& m) { return std::pair(m.runs, m.area); };
         if (found && found->runs < fewest && (!best || rank(*found) < rank(*best))) best = std::move(found);
       } while (std::prev_permutation(taken.begin(), taken.end()));
     }
-    planes_.erase(planes_.begin() + static_cast<std::ptrdiff_t>(seen_), planes_.end());
+    walls_.erase(walls_.begin() + static_cast<std::ptrdiff_t>(seen_), walls_.end());
     if (!best) best = meeting(max_whole);
     if (!best) return {};
-    FlatWalls walls{
+    Walls walls{
         std::move(best->nodes), std::move(best->deviation), std::move(best->parts), std::move(best->creases), {}, all_flat()};
     const std::vector<Index> near = near_faces();
     for (const std::size_t p : best->wall)
-      walls.faces.push_back(p < seen_ ? faces_of_wall(planes_[p], near) : std::vector<Index>());
+      walls.faces.push_back(p < seen_ ? faces_of_wall(walls_[p], near) : std::vector<Index>());
     return walls;
   }
 
@@ -155,17 +155,17 @@ private:
 
   Vec3 point(Index v) const { return mesh_.vertices.row(v); }
   Vec3 at(Index place) const { return point(rim_[place % n_]); }
-  bool contains(const Wall& plane, const Vec3& p) const { return std::abs(plane.distance(p)) < plane.within(); }
+  bool contains(const Wall& wall, const Vec3& p) const { return std::abs(wall.distance(p)) < wall.within(); }
   template <class Vertices>
-  bool contains(const Wall& plane, const Vertices& vertices) const {
-    return std::all_of(vertices.begin(), vertices.end(), [&](Index v) { return contains(plane, point(v)); });
+  bool contains(const Wall& wall, const Vertices& vertices) const {
+    return std::all_of(vertices.begin(), vertices.end(), [&](Index v) { return contains(wall, point(v)); });
   }
 
   bool lies_in(Index face, const Wall& wall) const {
     if (!wall.is_flat()) return std::ranges::binary_search(wall.faces(), face);
     return area_vector(mesh_, face).dot(wall.normal()) > 0 && contains(wall, mesh_.faces[face]);
   }
-  bool all_flat() const { return std::ranges::all_of(planes_, &Wall::is_flat); }
+  bool all_flat() const { return std::ranges::all_of(walls_, &Wall::is_flat); }
 
   /// Of the faces next to the rim's edges, the largest first: its plane is known best. False where these are not flat, or too many.
   bool read_planes() {
@@ -173,17 +173,17 @@ private:
     std::vector<Index> order(faces);
     std::ranges::stable_sort(order, std::greater(), [&](Index f) { return coarse(area_vector(mesh_, f).norm()); });
     for (const Index f : order) {
-      if (std::ranges::any_of(planes_, [&](const Wall& plane) { return lies_in(f, plane); })) continue;
-      planes_.emplace_back(area_vector(mesh_, f).stableNormalized(), point(mesh_.faces[f][0]), across_);
-      if (planes_.size() > max_planes || !lies_in(f, planes_.back())) return false;
+      if (std::ranges::any_of(walls_, [&](const Wall& wall) { return lies_in(f, wall); })) continue;
+      walls_.emplace_back(area_vector(mesh_, f).stableNormalized(), point(mesh_.faces[f][0]), across_);
+      if (walls_.size() > max_planes || !lies_in(f, walls_.back())) return false;
     }
-    seen_ = planes_.size();
+    seen_ = walls_.size();
     for (const Index f : faces) {  // a narrow one lies in several
       std::size_t best = 0;
       double nearest = -1;
       for (std::size_t p = 0; p < seen_; ++p)
-        if (const double along = area_vector(mesh_, f).stableNormalized().dot(planes_[p].normal());
-            lies_in(f, planes_[p]) && clearly_more(along, nearest))
+        if (const double along = area_vector(mesh_, f).stableNormalized().dot(walls_[p].normal());
+            lies_in(f, walls_[p]) && clearly_more(along, nearest))
           nearest = along, best = p;
       beside_.push_back(best);
     }
@@ -203,7 +203,7 @@ private:
 
   /// The smooth pieces between sharp edges of the faces next to the rim, flat or curved. False where one does not tell how it continues, or all are flat.
   bool read_pieces() {
-    planes_.clear();
+    walls_.clear();
     beside_.clear();
     if (!sharp_) return false;
     const Points points = mesh_.vertices(rim_, Eigen::all);
@@ -213,11 +213,11 @@ private:
       if (seen.find(f) < 0) {
         std::vector<Index> piece = grown(f, seen);
         wall.resize(seen.size(), wall_of_piece(std::move(piece), points));
-        if (planes_.size() > max_planes || !planes_.back().continues()) return false;
+        if (walls_.size() > max_planes || !walls_.back().continues()) return false;
       }
       beside_.push_back(wall[static_cast<std::size_t>(seen.find(f))]);
     }
-    seen_ = planes_.size();
+    seen_ = walls_.size();
     return seen_ > 1 && !all_flat();
   }
 
@@ -241,18 +241,18 @@ private:
   std::size_t wall_of_piece(std::vector<Index> piece, const Points& rim) {
     const Index largest = *std::ranges::max_element(piece, {}, [&](Index f) { return coarse(area_vector(mesh_, f).norm()); });
     const Wall flat(area_vector(mesh_, largest).stableNormalized(), point(mesh_.faces[largest][0]), across_);
-    const auto all_in = [&](const Wall& plane) {
-      return plane.is_flat() && std::ranges::all_of(piece, [&](Index f) { return lies_in(f, plane); });
+    const auto all_in = [&](const Wall& wall) {
+      return wall.is_flat() && std::ranges::all_of(piece, [&](Index f) { return lies_in(f, wall); });
     };
-    const auto same = std::ranges::find_if(planes_, all_in);
-    if (same != planes_.end()) return static_cast<std::size_t>(same - planes_.begin());
+    const auto same = std::ranges::find_if(walls_, all_in);
+    if (same != walls_.end()) return static_cast<std::size_t>(same - walls_.begin());
     const bool is_flat = all_in(flat);
     std::ranges::sort(piece);
     if (is_flat)
-      planes_.push_back(flat);
+      walls_.push_back(flat);
     else
-      planes_.emplace_back(mesh_, std::move(piece), rim, across_);
-    return planes_.size() - 1;
+      walls_.emplace_back(mesh_, std::move(piece), rim, across_);
+    return walls_.size() - 1;
   }
 
   /// Planes of two edges of the rim that follow each other: of a wall that has no face left. None where they are many.
@@ -261,10 +261,10 @@ private:
     for (Index k = 0; k < n_; ++k) {
       const Vec3 before = at(k) - at(k + n_ - 1), after = at(k + 1) - at(k), across = before.cross(after);
       if (!(across.norm() > std::sin(min_turn) * before.norm() * after.norm())) continue;
-      const auto holds = [&](const Wall& plane) {
-        return contains(plane, at(k + n_ - 1)) && contains(plane, at(k)) && contains(plane, at(k + 1));
+      const auto holds = [&](const Wall& wall) {
+        return contains(wall, at(k + n_ - 1)) && contains(wall, at(k)) && contains(wall, at(k + 1));
       };
-      if (std::any_of(planes_.begin(), planes_.end(), holds) || std::any_of(found.begin(), found.end(), holds)) continue;
+      if (std::any_of(walls_.begin(), walls_.end(), holds) || std::any_of(found.begin(), found.end(), holds)) continue;
       if (found.size() == max_unseen) return {};
       found.emplace_back(across.stableNormalized(), at(k), across_, false);
     }
@@ -282,7 +282,7 @@ private:
   }
 
   /// The one wall in whose plane the rim is, where it continues next to some of it and ends at the rest, or not far from it.
-  std::optional<FlatWalls> wall_of(const Wall& flat) const {
+  std::optional<Walls> wall_of(const Wall& flat) const {
     Index goes_on = 0;
     for (Index k = 0; k < n_; ++k) {
       const auto corner = around_.edge(rim_[(k + 1) % n_], rim_[k]);
@@ -293,59 +293,59 @@ private:
       goes_on += same;
     }
     if (goes_on == 0 || (goes_on == n_ && is_in(flat, flat_rings))) return {};
-    FlatWalls wall{{}, {}, {std::vector<Index>(static_cast<std::size_t>(n_))}, {}, {faces_of_wall(flat, near_faces())}, true};
+    Walls wall{{}, {}, {std::vector<Index>(static_cast<std::size_t>(n_))}, {}, {faces_of_wall(flat, near_faces())}, true};
     std::iota(wall.parts[0].begin(), wall.parts[0].end(), Index{0});
     return wall;
   }
 
   /// Whether all faces in so many rings around the rim lie in a plane.
-  bool is_in(const Wall& plane, int rings) const {
+  bool is_in(const Wall& wall, int rings) const {
     Numbering seen(mesh_.vertices.rows());
     for (Index v : rim_) seen.add(v);
     for (std::size_t from = 0; rings > 0; --rings)
       for (const std::size_t to = seen.items().size(); from < to; ++from)
         for (Connectivity::Corner c : around_.at(seen.items()[from])) {
-          if (!lies_in(around_.face(c), plane)) return false;
+          if (!lies_in(around_.face(c), wall)) return false;
           for (Index w : mesh_.faces[around_.face(c)]) seen.add(w);
         }
     return true;
   }
 
-  /// The wall that each edge is part of: as few changes around the rim as its planes allow, each where a crease shows. Empty where none are
+  /// The wall that each edge is part of: as few changes around the rim as its walls allow, each where a crease shows. Empty where none are
   /// possible, or more walls than `whole` have lost nothing.
   std::vector<std::size_t> walls_of_edges(int whole) const {
-    const std::size_t planes = planes_.size();
+    const std::size_t walls = walls_.size();
     const double none = std::numeric_limits<double>::infinity();
     const auto cost = [&](Index k, std::size_t p) {
       if (p == beside_[k]) return 0.0;
-      const bool in = contains(planes_[p], at(k)) && contains(planes_[p], at(k + 1));
+      const bool in = contains(walls_[p], at(k)) && contains(walls_[p], at(k + 1));
       return !in ? none : (p < seen_ ? 1.0 : 2.0) / (4 * static_cast<double>(n_));  // all together less than a change
     };
-    Eigen::MatrixXd costs(n_, planes);
+    Eigen::MatrixXd costs(n_, walls);
     for (Index k = 0; k < n_; ++k)
-      for (std::size_t p = 0; p < planes; ++p) costs(k, p) = cost(k, p);
-    std::vector<Eigen::MatrixXd> change;  // at the beginning of each edge, from one plane to another
+      for (std::size_t p = 0; p < walls; ++p) costs(k, p) = cost(k, p);
+    std::vector<Eigen::MatrixXd> change;  // at the beginning of each edge, from one wall to another
     for (Index k = 0; k < n_; ++k) {
-      change.emplace_back(planes, planes);
-      for (std::size_t p = 0; p < planes; ++p)
-        for (std::size_t q = 0; q < planes; ++q) {
+      change.emplace_back(walls, walls);
+      for (std::size_t p = 0; p < walls; ++p)
+        for (std::size_t q = 0; q < walls; ++q) {
           const bool may = std::isfinite(costs((k + n_ - 1) % n_, p)) && std::isfinite(costs(k, q));
           change[k](p, q) = p == q ? 0 : may && is_shown(k, p, q) ? 1 : none;
         }
     }
     double least = none;
     std::vector<std::size_t> best;
-    for (std::size_t begin = 0; begin < planes; ++begin) {
-      std::vector<std::vector<std::size_t>> before(n_, std::vector<std::size_t>(planes, 0));
-      Eigen::VectorXd sum = Eigen::VectorXd::Constant(planes, none);
+    for (std::size_t begin = 0; begin < walls; ++begin) {
+      std::vector<std::vector<std::size_t>> before(n_, std::vector<std::size_t>(walls, 0));
+      Eigen::VectorXd sum = Eigen::VectorXd::Constant(walls, none);
       sum[begin] = costs(0, begin);
       if (!std::isfinite(sum[begin])) continue;
       for (Index k = 1; k < n_; ++k) {
-        Eigen::VectorXd next(planes);
-        for (std::size_t p = 0; p < planes; ++p) next[p] = costs(k, p) + (sum + change[k].col(p)).minCoeff(&before[k][p]);
+        Eigen::VectorXd next(walls);
+        for (std::size_t p = 0; p < walls; ++p) next[p] = costs(k, p) + (sum + change[k].col(p)).minCoeff(&before[k][p]);
         sum = next;
       }
-      for (std::size_t p = 0; p < planes; ++p) {
+      for (std::size_t p = 0; p < walls; ++p) {
         if (!(sum[p] + change[0](p, begin) < least)) continue;
         least = sum[p] + change[0](p, begin);
         best.assign(n_, p);
@@ -366,7 +366,7 @@ private:
           const Index k = place % n_, last = (k + n_ - 1) % n_;
           if (beside_[k] != own || beside_[last] != own) return 0.0;
           const Vec3 before = at(k) - at(last), after = at(k + 1) - at(k);
-          return std::atan2(before.cross(after).dot(planes_[own].normal_at(at(k))), before.dot(after));
+          return std::atan2(before.cross(after).dot(walls_[own].normal_at(at(k))), before.dot(after));
         };
     double turned = 0, most = 0;
     bool is_beside = false;
@@ -382,13 +382,13 @@ private:
 
   /// Whether the crease between two walls that meet at a place of the rim can be seen there.
   bool is_shown(Index place, std::size_t before, std::size_t here) const {
-    const double turn = angle_between(planes_[here].normal_at(at(place)), planes_[before].normal_at(at(place)));
+    const double turn = angle_between(walls_[here].normal_at(at(place)), walls_[before].normal_at(at(place)));
     if (turn < min_crease_angle || (std::max(here, before) >= seen_ && turn > std::numbers::pi - min_crease_angle)) return false;
     const std::size_t beside = beside_[place], last = beside_[(place + n_ - 1) % n_];
     if (beside == last && beside != here && beside != before) return true;  // a third wall, which has both edges
     // where the border of one leaves the other, no face of which is left
-    if (here >= seen_ && beside == before && !contains(planes_[here], at(place + n_ - 1))) return true;
-    if (before >= seen_ && last == here && !contains(planes_[before], at(place + 1))) return true;
+    if (here >= seen_ && beside == before && !contains(walls_[here], at(place + n_ - 1))) return true;
+    if (before >= seen_ && last == here && !contains(walls_[before], at(place + 1))) return true;
     bool leaves_before = false, leaves_here = false;  // for a third wall
     for (Connectivity::Corner c : around_.at(rim_[place])) {
       const Index w = around_.next(c);
@@ -396,10 +396,10 @@ private:
       if (!one || !other) continue;
       for (const auto& [f, g] :
            {std::pair(around_.face(*one), around_.face(*other)), std::pair(around_.face(*other), around_.face(*one))}) {
-        if (lies_in(f, planes_[before]) && lies_in(g, planes_[here])) return true;
+        if (lies_in(f, walls_[before]) && lies_in(g, walls_[here])) return true;
         if (angle_between(area_vector(mesh_, f), area_vector(mesh_, g)) < min_crease_angle) continue;
-        leaves_before = leaves_before || lies_in(f, planes_[before]);
-        leaves_here = leaves_here || lies_in(f, planes_[here]);
+        leaves_before = leaves_before || lies_in(f, walls_[before]);
+        leaves_here = leaves_here || lies_in(f, walls_[here]);
       }
     }
     return last == before && beside == here && leaves_before && leaves_here;
@@ -431,15 +431,15 @@ private:
   const std::vector<std::array<Index, 2>>* sharp_;  // none: walls are flat
   Index n_;
   double across_;
-  std::vector<Wall> planes_;
+  std::vector<Wall> walls_;
   std::size_t seen_ = 0;             // of these, next to the rim; the normals of the others may be turned over
-  std::vector<std::size_t> beside_;  // the plane of the face next to each edge of the rim
+  std::vector<std::size_t> beside_;  // the wall of the face next to each edge of the rim
 };
 
 }  // namespace
 
-std::optional<FlatWalls> flat_walls(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across,
-                                    const std::vector<Index>& near, const std::vector<std::array<Index, 2>>* sharp) {
+std::optional<Walls> find_walls(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, double across,
+                                const std::vector<Index>& near, const std::vector<std::array<Index, 2>>* sharp) {
   return WallFinder(mesh, around, rim, across, near, sharp).walls();
 }
 
