@@ -5,7 +5,7 @@
 #include "bindings.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/options.h"
-#include "tripatch/spline/plane_triangles.h"
+#include "tripatch/triangulation/plane_triangles.h"
 
 using namespace tripatch;
 

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tripatch/spline/plane_triangles.h"
+#include "tripatch/triangulation/plane_triangles.h"
 
 using namespace tripatch;
 

@@ -10,8 +10,8 @@
 #include "test_triangles.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/report/crossings.h"
-#include "tripatch/spline/closed_line.h"
-#include "tripatch/spline/min_weight_triangulation.h"
+#include "tripatch/triangulation/closed_line.h"
+#include "tripatch/triangulation/min_weight_triangulation.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "tripatch/mesh/triangles.h"
-#include "tripatch/spline/parametrization.h"
+#include "tripatch/parametrization/parametrization.h"
 
 using namespace tripatch;
 

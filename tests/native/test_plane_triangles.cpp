@@ -4,8 +4,8 @@
 #include <numbers>
 #include <random>
 
-#include "tripatch/spline/ear_clipping.h"
 #include "tripatch/spline/untangle.h"
+#include "tripatch/triangulation/ear_clipping.h"
 
 using namespace tripatch;
 

@@ -9,7 +9,7 @@
 
 #include "tripatch/output/domain_mesh.h"
 #include "tripatch/output/remesh.h"
-#include "tripatch/spline/min_weight_triangulation.h"
+#include "tripatch/triangulation/min_weight_triangulation.h"
 
 using namespace tripatch;
 

@@ -9,8 +9,8 @@
 #include "test_refusals.h"
 #include "tripatch/cage/cage_fit.h"
 #include "tripatch/cage/cage_layout.h"
+#include "tripatch/cage_fills/cage_fills.h"
 #include "tripatch/fill.h"
-#include "tripatch/fill/cage_fills.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

@@ -5,11 +5,11 @@
 #include <numbers>
 
 #include "test_triangles.h"
+#include "tripatch/parametrization/parametrization.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/spline/disc.h"
-#include "tripatch/spline/min_weight_triangulation.h"
 #include "tripatch/spline/minimize_bending.h"
-#include "tripatch/spline/parametrization.h"
+#include "tripatch/triangulation/min_weight_triangulation.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "test_refusals.h"
+#include "tripatch/cage_fills/cage_fills.h"
 #include "tripatch/fill.h"
-#include "tripatch/fill/cage_fills.h"
 #include "tripatch/fill/fill_context.h"
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/polygon/round.h"

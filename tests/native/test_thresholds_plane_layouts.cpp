@@ -5,13 +5,13 @@
 
 #include "test_rings.h"
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/parametrization/parametrization.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/base_surface.h"
 #include "tripatch/spline/disc.h"
-#include "tripatch/spline/min_weight_triangulation.h"
 #include "tripatch/spline/minimize_bending.h"
-#include "tripatch/spline/parametrization.h"
 #include "tripatch/spline/plane_fill.h"
+#include "tripatch/triangulation/min_weight_triangulation.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

@@ -11,7 +11,7 @@
 #include "tripatch/fill.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/mesh/border_loops.h"
-#include "tripatch/spline/min_weight_triangulation.h"
+#include "tripatch/triangulation/min_weight_triangulation.h"
 
 using namespace tripatch;
 

@@ -9,7 +9,7 @@
 
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/submesh.h"
-#include "tripatch/spline/plane_triangles.h"
+#include "tripatch/triangulation/plane_triangles.h"
 
 namespace tripatch {
 namespace {

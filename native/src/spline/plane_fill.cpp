@@ -15,17 +15,17 @@
 #include "tripatch/messages.h"
 #include "tripatch/output/domain_mesh.h"
 #include "tripatch/output/remesh.h"
+#include "tripatch/parametrization/parametrization.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/base_surface.h"
 #include "tripatch/spline/disc.h"
 #include "tripatch/spline/field_around.h"
 #include "tripatch/spline/hermite_correction.h"
-#include "tripatch/spline/min_weight_triangulation.h"
 #include "tripatch/spline/minimize_bending.h"
-#include "tripatch/spline/parametrization.h"
-#include "tripatch/spline/plane_triangles.h"
 #include "tripatch/spline/untangle.h"
+#include "tripatch/triangulation/min_weight_triangulation.h"
+#include "tripatch/triangulation/plane_triangles.h"
 
 namespace tripatch {
 namespace {

@@ -1,11 +1,11 @@
-#include "tripatch/spline/plane_triangles.h"
+#include "tripatch/triangulation/plane_triangles.h"
 
 #include <Eigen/Geometry>
 #include <utility>
 
 #include "tripatch/math/tolerant_compare.h"
-#include "tripatch/spline/ear_clipping.h"
-#include "tripatch/spline/min_weight_triangulation.h"
+#include "tripatch/triangulation/ear_clipping.h"
+#include "tripatch/triangulation/min_weight_triangulation.h"
 
 namespace tripatch {
 namespace {

@@ -1,4 +1,4 @@
-#include "tripatch/spline/parametrization.h"
+#include "tripatch/parametrization/parametrization.h"
 
 #include <Eigen/Dense>
 #include <Eigen/OrderingMethods>

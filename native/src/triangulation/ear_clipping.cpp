@@ -1,4 +1,4 @@
-#include "tripatch/spline/ear_clipping.h"
+#include "tripatch/triangulation/ear_clipping.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "tripatch/fill/cage_fills.h"
+#include "tripatch/cage_fills/cage_fills.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "tripatch/cage/cage_fill.h"
-#include "tripatch/fill/cage_inside.h"
+#include "tripatch/cage_fills/cage_inside.h"
 #include "tripatch/fill/insisted.h"
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/fill/rows_fill.h"

@@ -1,4 +1,4 @@
-#include "tripatch/fill/cage_inside.h"
+#include "tripatch/cage_fills/cage_inside.h"
 
 #include <algorithm>
 #include <map>

@@ -1,7 +1,7 @@
 // Dynamic programming over the chords of the rim: the best fill of the polygon beyond chord (i, k) is the best apex m with the best
 // fills beyond (i, m) and (m, k). A chord's apexes are compared in one go; angles by the signed square of their cosine, which needs no
 // root. Equally good ones, but for rounding, are distinguished by their place in the rim: turned, moved or scaled it is the same fill.
-#include "tripatch/spline/min_weight_triangulation.h"
+#include "tripatch/triangulation/min_weight_triangulation.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -17,7 +17,7 @@
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
-#include "tripatch/spline/closed_line.h"
+#include "tripatch/triangulation/closed_line.h"
 
 namespace tripatch {
 namespace {

@@ -1,4 +1,4 @@
-#include "tripatch/spline/closed_line.h"
+#include "tripatch/triangulation/closed_line.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -8,10 +8,10 @@
 
 #include "tripatch/annulus/annulus_patch.h"
 #include "tripatch/boundary/shared_planes.h"
+#include "tripatch/cage_fills/cage_fills.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/fill/any_rim_fill.h"
 #include "tripatch/fill/automatic_fill.h"
-#include "tripatch/fill/cage_fills.h"
 #include "tripatch/fill/fill_context.h"
 #include "tripatch/fill/insisted.h"
 #include "tripatch/fill/merged_rims.h"
