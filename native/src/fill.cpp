@@ -1,102 +1,34 @@
 #include "tripatch/fill.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <set>
-#include <string>
 
 #include "tripatch/annulus/annulus_patch.h"
 #include "tripatch/boundary/shared_planes.h"
 #include "tripatch/cage_fills/cage_fills.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/fill/any_rim_fill.h"
-#include "tripatch/fill/automatic_fill.h"
+#include "tripatch/fill/elsewhere.h"
 #include "tripatch/fill/fill_context.h"
 #include "tripatch/fill/insisted.h"
 #include "tripatch/fill/merged_rims.h"
-#include "tripatch/fill/polygon_fill.h"
+#include "tripatch/fill/requested_fill.h"
 #include "tripatch/fill/rows_fill.h"
 #include "tripatch/fill/triangle_fill.h"
-#include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/extra_face.h"
 #include "tripatch/hole/near_duplicate_borders.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
-#include "tripatch/messages.h"
+#include "tripatch/mesh/edge_key.h"
 #include "tripatch/output/leaned.h"
-#include "tripatch/output/polygon_cover.h"
 #include "tripatch/output/shaped.h"
-#include "tripatch/patch/moved_surface.h"
-#include "tripatch/polygon/round.h"
-#include "tripatch/polygon/surface.h"
 #include "tripatch/spline/plane_fill.h"
-#include "tripatch/spline/plane_patch.h"
-#include "tripatch/spline/small_fill.h"
 
 namespace tripatch {
-
 namespace {
-
-/// Sizes of what is filled that it lies away from the origin, from which on coordinates have lost more than they can spare: second
-/// differences of a rim of a hundred edges lose four digits more.
-constexpr double far_away = 1e3;
-
-/// Where computations are about: the middle of the rims, or of the mesh where none is given; nothing where that is near the origin.
-std::optional<Vec3> local_origin(const Mesh& mesh, std::span<const std::vector<Index>> rims) {
-  Vec3 low = Vec3::Constant(INFINITY), high = -low;
-  const auto take = [&](Index v) {
-    const Vec3 p = mesh.vertices.row(v);
-    if (!p.allFinite()) return;  // named later on, where it matters
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  };
-  for (const std::vector<Index>& rim : rims)
-    for (Index v : rim)
-      if (v >= 0 && v < mesh.vertices.rows()) take(v);
-  if (rims.empty())
-    for (Index v = 0; v < mesh.vertices.rows(); ++v) take(v);
-  const Vec3 middle = 0.5 * (low + high);
-  if (!middle.allFinite() || middle.norm() <= far_away * (high - low).norm()) return {};
-  return middle;
-}
-
-/// A patch of the same kind elsewhere.
-SurfacePtr brought(const SurfacePtr& patch, const Vec3& by) {
-  if (const auto polygon = std::dynamic_pointer_cast<const OverPolygon>(patch))
-    return std::make_shared<OverPolygon>(polygon->domain(), moved(patch, by));
-  if (const auto plane = std::dynamic_pointer_cast<const PlanePatch>(patch))
-    return std::make_shared<PlanePatch>(moved(patch, by), plane->rim());
-  if (const auto round = std::dynamic_pointer_cast<const RoundSurface>(patch)) {
-    std::vector<Harmonic> terms = round->terms();
-    terms[0].row(0) += by.transpose();
-    return std::make_shared<RoundSurface>(std::move(terms));
-  }
-  return moved(patch, by);
-}
-
-/// A mesh about another origin, and the options of what is filled in it.
-struct Elsewhere {
-  Vec3 origin;
-  Points vertices;
-  FillOptions options;
-
-  Elsewhere(const Mesh& mesh, const FillOptions& given, const Vec3& about)
-      : origin(about), vertices(mesh.vertices.rowwise() - about.transpose()), options(given) {
-    if (options.center) *options.center -= origin;
-    for (Through& each : options.through) each.point -= origin;
-  }
-
-  void bring_back(Fill& fill) const {
-    fill.vertices.rowwise() += origin.transpose();
-    fill.moved_to.rowwise() += origin.transpose();
-    if (fill.passes_through) *fill.passes_through += origin;
-    if (fill.patch) fill.patch = brought(fill.patch, origin);
-    for (Side& side : fill.sides) side.c = side.c + PiecewisePolynomial::constant(std::span<const double>(origin.data(), 3));
-  }
-};
 
 /// Extra rows of quads that may be asked for: a bound against slips of the hand, far beyond what any fill has room for.
 constexpr int max_rows = 100;
@@ -109,46 +41,6 @@ void check_options(const FillOptions& options) {
   if (options.resolution && !triangles && *options.resolution > max_rows)
     throw CodedArgument(Code::out_of_range,
                         {{"name", "resolution"}, {"from", 0}, {"to", max_rows}, {"value", *options.resolution}});
-}
-
-Fill polygon_fill(const FillContext& context, const std::vector<Index>& rim, const std::vector<Index>& corners,
-                  const FillOptions& options) {
-  const CorneredRim found = cornered(context, rim, corners);
-  const PolygonInput input = polygon_input(context.mesh, context.left, found.rim, found.places, options, context.planes);
-  return fill_with_polygon(context.mesh, context.left, input, options).fill;
-}
-
-Fill round_fill(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options) {
-  const DiscInput input = disc_input(context.mesh, context.left, rim, options, context.planes);
-  return fill_round(context.mesh, context.left, input, options).fill;
-}
-
-/// The patch over a polygon or a disc, requested, or that of three sides which meets points inside; nothing where the rim has three sides
-/// and no such points. Corners that are not given are detected.
-std::optional<Fill> fill_with_many_sides(const FillContext& context, const std::optional<std::vector<Index>>& rim,
-                                         const Corners& corners, const FillOptions& options) {
-  const bool inner = !options.through.empty();
-  if (corners && !corners->empty() && !makes_polygon(*corners) && !inner) return {};
-  std::vector<Index> given = corners.value_or(std::vector<Index>());
-  std::vector<Index> loop = rim ? *rim : given.empty() ? only_hole(context) : loop_through(context, given);
-  loop = check_topology(context.left, loop);
-  check_finite(context.mesh, context.left, loop);
-  if (!corners) {
-    given = at_places(loop, corners_of_fill(context.mesh, context.left, loop));
-    const bool other = given.size() != 3 && options.method == patch_method;
-    if (other || (given.size() == 3 && !inner) || (given.empty() && !is_round(context.mesh, context.left, loop))) return {};
-  }
-  check_counts(options, std::max<std::size_t>(given.size(), 1));
-  Fill fill;
-  if (given.empty()) {
-    check_positions(context.mesh, context.left, loop);
-    fill = round_fill(context, loop, options);
-  } else {
-    fill = polygon_fill(context, loop, given, options);
-  }
-  fill.report.method_reason =
-      options.method == polygon_method ? "it was requested" : "a patch over a polygon meets the points inside";
-  return fill;
 }
 
 /// Whether a method is requested that fills between three sides and nothing else.
@@ -164,93 +56,6 @@ void check_three(const FillOptions& options, const Corners& corners) {
 }
 
 Fill fill_one_hole(const Mesh& mesh, const FillOptions& options);
-
-/// Sizes of the loops after the rim.
-std::vector<std::size_t> sizes_of(const std::vector<std::vector<Index>>& islands) {
-  std::vector<std::size_t> sizes;
-  for (const std::vector<Index>& island : islands) sizes.push_back(island.size());
-  return sizes;
-}
-
-/// What a fill is chosen by: without what only changes the shape of the one that is chosen.
-FillOptions choosing(const FillOptions& options) {
-  static const FillOptions plain;
-  FillOptions left = unshaped(options);
-  left.fairing = plain.fairing;
-  left.cross_boundary = plain.cross_boundary;
-  const auto is_all = [&](SideContinuity c) { return options.continuity.are_all(c); };
-  if (!is_all(SideContinuity::g1) && !meets_position_only(options)) left.continuity = plain.continuity;
-  return left;
-}
-
-/// The patch between the sides of a fill that was chosen without what shapes it, made as it is asked for.
-Fill patch_as_asked(const FillContext& context, const Fill& chosen, FillOptions options) {
-  const std::vector<Index>& corners = chosen.report.corners;
-  const auto is_free = [](SeamContinuity c) { return c == SeamContinuity::free; };
-  const bool flat = is_continuity_open(options) && std::ranges::all_of(chosen.report.continuity, is_free);
-  if (flat) options.continuity = SideContinuity::free;
-  Fill made;
-  if (corners.empty()) {
-    if (is_continuity_open(options) && chosen.report.continuity[0] == SeamContinuity::g1) options.continuity = SideContinuity::g1;
-    made = round_fill(context, chosen.rim, unshaped(options));
-    shape(context.mesh, context.left, {}, options, made);
-  } else if (chosen.report.method != polygon_method) {
-    made = fill_with_patch(context, triangle_input(context, hole_of(context, chosen.rim, corners), options), options);
-  } else {
-    options.cross_boundary = CrossBoundary::consistent;  // of three sides
-    made = polygon_fill(context, chosen.rim, corners, options);
-  }
-  made.report.method_reason = chosen.report.method_reason;
-  if (flat && std::ranges::count(chosen.report.warnings, Code::flat_all_around, &Message::code) > 0)
-    made.report.warnings.push_back({Code::flat_all_around});
-  return made;
-}
-
-/// Whether nothing is asked for but that the hole be closed by triangles.
-bool asks_for_nothing(const FillOptions& options) {
-  const bool of_mesh = options.surroundings == SurroundingsFrom::mesh && options.output == Output::triangles;
-  return of_mesh && !options.resolution && options.islands.empty() && !is_shaped_by_hand(options) &&
-         options.cap == Cap::automatic;
-}
-
-/// Of a hole of three edges, or of few in smooth surroundings.
-std::optional<Fill> fill_if_small(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options) {
-  if (rim.size() > max_edges_of_small || !asks_for_nothing(options)) return {};
-  std::vector<Index> checked = check_topology(context.left, rim);
-  check_finite(context.mesh, context.left, checked);
-  std::rotate(checked.begin(), std::min_element(checked.begin(), checked.end()), checked.end());
-  return checked.size() == 3 ? fill_with_one_triangle(context.mesh, context.left, checked)
-                             : fill_small(context.mesh, context.left, checked);
-}
-
-/// What the rim asks for, shaped as asked: shape changes nothing in what is chosen.
-Fill fill_and_shape(const FillContext& context, const std::vector<Index>& loop, const Corners& corners,
-                    const FillOptions& options) {
-  if (corners) check_counts(options, std::max<std::size_t>(corners->size(), 1));
-  if (!corners)
-    if (std::optional<Fill> small = fill_if_small(context, loop, options)) return std::move(*small);
-  FillOptions by = choosing(options);
-  if (!options.fairing) by.fairing.reset();  // between three sides it takes ten times as long as all else
-  Fill fill = fill_as_the_rim_asks(context, loop, corners, by);
-  const bool of_three = fill.report.method == patch_method;
-  if (!options.fairing && !of_three) {
-    by.fairing = choosing(options).fairing;
-    fill = fill_as_the_rim_asks(context, loop, corners, by);
-  }
-  const bool as_chosen = options.fairing == by.fairing && options.continuity == by.continuity &&
-                         (options.cross_boundary == by.cross_boundary || !of_three);
-  // a round rim's patch is a surface of revolution where it can be, and stays one
-  if (!fill.sides.empty() && options.islands.empty() && ((is_shaped(options) && !fill.report.corners.empty()) || !as_chosen)) {
-    try {
-      return patch_as_asked(context, fill, options);
-    } catch (const CodedRefusal& refusal) {  // of what is asked for
-      fill.report.warnings.push_back(refusal.message());
-    }
-  }
-  shape(context.mesh, context.left, sizes_of(options.islands), options, fill);
-  if (asks_for_nothing(options)) close_if_flat(context, options, fill);
-  return fill;
-}
 
 Fill fill_as_asked(const FillContext& context, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                    const FillOptions& options) {
@@ -359,14 +164,11 @@ void check_named(const Mesh& mesh, std::span<const std::vector<Index>> rims, con
 /// Creases that are given lie on edges of the mesh.
 void check_creases(const Mesh& mesh, const std::vector<std::array<Index, 2>>& creases) {
   if (creases.empty()) return;
-  std::set<std::array<Index, 2>> missing;
-  for (const auto& [a, b] : creases) missing.insert({std::min(a, b), std::max(a, b)});
+  std::set<EdgeKey> missing;
+  for (const auto& [a, b] : creases) missing.insert(edge_key(a, b));
   for (Index f = 0; f < mesh.faces.size(); ++f) {
     const std::span<const Index> face = mesh.faces[f];
-    for (std::size_t k = 0; k < face.size(); ++k) {
-      const Index a = face[k], b = face[(k + 1) % face.size()];
-      missing.erase({std::min(a, b), std::max(a, b)});
-    }
+    for (std::size_t k = 0; k < face.size(); ++k) missing.erase(edge_key(face[k], face[(k + 1) % face.size()]));
   }
   if (missing.empty()) return;
   const auto [a, b] = *missing.begin();
@@ -381,7 +183,6 @@ bool takes_any_rim(const FillOptions& options) {
   return any_rim && options.output != Output::cage && options.surroundings == SurroundingsFrom::mesh;
 }
 
-/// The rim of a cage's hole, which has three corners where the method wants that.
 /// Sets Fill::passes_through. What the method is automatic of is filled again first, where that counts.
 ///
 /// again: makes the k-th fill once more.
@@ -403,6 +204,7 @@ void keep_clear(FillContext& context, const FillOptions& options, std::span<Fill
   }
 }
 
+/// The rim of a cage's hole, which has three corners where the method wants that.
 SidedRim cage_rim_for(const FillContext& context, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                       const FillOptions& options) {
   check_three(options, corners);

@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <string>
@@ -11,6 +10,7 @@
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/constructions/side_vertex.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/mesh/edge_key.h"
 #include "tripatch/mesh/vertex_normals.h"
 #include "tripatch/messages.h"
 #include "tripatch/patch/seam.h"
@@ -202,9 +202,8 @@ std::vector<Triangle> small_triangles(const Lattice& lattice) {
 /// Of each edge of the triangles the side that is given for it, from its lower vertex.
 std::vector<Side> sides_over(const Lattice& lattice, const std::vector<std::array<Index, 2>>& edges,
                              const std::vector<Side>& given, const SmoothMesh& out) {
-  std::map<std::array<Index, 2>, std::size_t> known;
-  for (std::size_t e = 0; e < edges.size(); ++e)
-    known[{std::min(edges[e][0], edges[e][1]), std::max(edges[e][0], edges[e][1])}] = e;
+  std::map<EdgeKey, std::size_t> known;
+  for (std::size_t e = 0; e < edges.size(); ++e) known[edge_key(edges[e][0], edges[e][1])] = e;
   std::vector<Side> sides;
   for (const std::array<Index, 2>& edge : lattice.edges) {
     const auto found = known.find(edge);

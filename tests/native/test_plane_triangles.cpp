@@ -4,8 +4,8 @@
 #include <numbers>
 #include <random>
 
-#include "tripatch/spline/untangle.h"
 #include "tripatch/triangulation/ear_clipping.h"
+#include "tripatch/triangulation/untangle.h"
 
 using namespace tripatch;
 

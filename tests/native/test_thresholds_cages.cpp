@@ -9,7 +9,7 @@
 #include "test_refusals.h"
 #include "tripatch/cage/cage_fit.h"
 #include "tripatch/cage/cage_layout.h"
-#include "tripatch/cage_fills/cage_fills.h"
+#include "tripatch/cage_fills/tried_cages.h"
 #include "tripatch/fill.h"
 
 using namespace tripatch;

@@ -8,6 +8,7 @@
 
 #include "test_refusals.h"
 #include "tripatch/cage_fills/cage_fills.h"
+#include "tripatch/cage_fills/tried_cages.h"
 #include "tripatch/fill.h"
 #include "tripatch/fill/fill_context.h"
 #include "tripatch/fill/polygon_fill.h"

@@ -4,7 +4,7 @@
 
 #include "test_triangles.h"
 #include "tripatch/report/folded_triangles.h"
-#include "tripatch/spline/untangle.h"
+#include "tripatch/triangulation/untangle.h"
 
 using namespace tripatch;
 using namespace tripatch::testing;

@@ -2,7 +2,7 @@
 
 #include "tripatch/mesh/triangles.h"
 #include "tripatch/report/folded_triangles.h"
-#include "tripatch/spline/untangle.h"
+#include "tripatch/triangulation/untangle.h"
 
 using namespace tripatch;
 

@@ -4,20 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/tolerant_compare.h"
+#include "tripatch/mesh/edge_key.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/mesh/vertex_normals.h"
 #include "tripatch/spline/disc.h"
 
 namespace tripatch {
 namespace {
-
-using EdgePair = std::array<Index, 2>;
 
 // Half and twice of these numbers were tried on 68 holes across creases in irregular triangles: straight, curved and turned ridges of 28 to 90
 // degrees, edges of drums, corners of three planes, chamfers; without noise, with 2 and 6% of an edge. Two percentages tell by how much
@@ -57,8 +55,6 @@ constexpr double min_spread = 1e-2;
 /// at all 34%).
 constexpr double in_face = 3 * one_degree, as_curved = 1.5, along_crease = 0.9;
 
-EdgePair edge_pair(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
-
 Vec3 unit_normal(const Mesh& mesh, Index face) { return area_vector(mesh, face).stableNormalized(); }
 
 /// The angles at the edges of the surroundings.
@@ -78,7 +74,7 @@ public:
         const auto across = around.edge(w, v);
         if (!across || (v > w && std::binary_search(vertices.begin(), vertices.end(), w))) continue;
         const double angle = angle_between(normal(around.face(c)), normal(around.face(*across)));
-        edges_.push_back({edge_pair(v, w), angle});
+        edges_.push_back({edge_key(v, w), angle});
         all.push_back(angle);
       }
     std::sort(edges_.begin(), edges_.end());
@@ -91,8 +87,8 @@ public:
 
   /// -1 where the edge has not two faces, or lies farther off.
   double at(Index a, Index b) const {
-    const auto found = std::lower_bound(edges_.begin(), edges_.end(), std::pair(edge_pair(a, b), -1.0));
-    return found != edges_.end() && found->first == edge_pair(a, b) ? found->second : -1;
+    const auto found = std::lower_bound(edges_.begin(), edges_.end(), std::pair(edge_key(a, b), -1.0));
+    return found != edges_.end() && found->first == edge_key(a, b) ? found->second : -1;
   }
   double ordinary() const { return ordinary_; }
   bool sharp(Index a, Index b) const { return clearly_more(at(a, b), threshold_); }
@@ -101,15 +97,15 @@ public:
         ordinary_ < smooth_angle ? std::max(still_crease * min_crease_angle, above_noise * ordinary_) : threshold_;
     return clearly_more(at(a, b), least);
   }
-  std::vector<EdgePair> all_sharp() const {
-    std::vector<EdgePair> out;
+  std::vector<EdgeKey> all_sharp() const {
+    std::vector<EdgeKey> out;
     for (const auto& [edge, angle] : edges_)
       if (clearly_more(angle, threshold_)) out.push_back(edge);
     return out;
   }
 
 private:
-  std::vector<std::pair<EdgePair, double>> edges_;
+  std::vector<std::pair<EdgeKey, double>> edges_;
   double ordinary_ = 0, threshold_ = min_crease_angle;
 };
 
@@ -371,7 +367,7 @@ Features find_features(const Mesh& mesh, const Connectivity& around, const std::
   const EdgeAngles angles(mesh, around, features.vertices);
   const CreaseFinder finder(mesh, around, rim, angles, across);
   features.creases = finder.creases(finder.ends());
-  const std::vector<EdgePair> sharp = angles.all_sharp();
+  const std::vector<EdgeKey> sharp = angles.all_sharp();
   features.walls = find_walls(mesh, around, rim, across, features.vertices, &sharp);
   if (!features.creases.empty()) features.barred = sharp;
   return features;

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include "tripatch/math/angle.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/mesh/vertex_normals.h"
-#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
@@ -21,7 +19,7 @@ constexpr double rough_share = 0.04;
 /// Between a wall's mean plane and its faces: heights over the plane tell nothing of steeper ones.
 constexpr double steepest = 60 * std::numbers::pi / 180;
 /// The nearest to the rim: farther ones change no fill of 168 holes by more than 1%, and the time grows with their square.
-constexpr Index max_samples = 400;
+constexpr Index max_wall_samples = 400;
 /// Of the hole's diameter: at that distance from the rim faces count a third in the mean plane.
 constexpr double near_share = 0.33;
 
@@ -53,9 +51,9 @@ Wall::Wall(const Mesh& mesh, std::vector<Index> faces, const Points& rim, double
     if (angle_between(area_vector(mesh, f), normal_) < steepest)
       for (const Index v : mesh.faces[f]) vertices.add(v);
   std::vector<Index> nearest = vertices.items();
-  if (std::ssize(nearest) > max_samples) {
+  if (std::ssize(nearest) > max_wall_samples) {
     std::ranges::stable_sort(nearest, {}, [&](Index v) { return from_rim(mesh.vertices.row(v)); });
-    nearest.resize(max_samples);
+    nearest.resize(max_wall_samples);
   }
   const Points samples = mesh.vertices(nearest, Eigen::all);
   if (samples.rows() < 4) return;

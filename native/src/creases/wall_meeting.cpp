@@ -2,13 +2,12 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "tripatch/math/plane.h"
 #include "tripatch/math/tolerant_compare.h"
+#include "tripatch/mesh/edge_key.h"
 
 namespace tripatch {
 namespace {
@@ -251,15 +250,15 @@ private:
     if (from == to) return true;
     std::ranges::sort(of);
     const bool turned = from > to;
-    const std::array<Index, 2> ends = {std::min(from, to), std::max(from, to)};
+    const EdgeKey ends = edge_key(from, to);
     auto known = ways_.find({ends, of});
     if (known == ways_.end()) known = ways_.emplace(std::pair(ends, of), divided(ends, of)).first;
     const std::vector<Step>& steps = known->second;
     if (steps.empty()) return false;
     for (const Step& step : steps)
       if (step.points.rows() > 0) {
-        const std::array<Index, 2> key = {std::min(step.from, step.to), std::max(step.from, step.to)};
-        const auto [crease, added] = out.creases.try_emplace(key, WallCrease{step.points, step.deviation, of});
+        const auto [crease, added] =
+            out.creases.try_emplace(edge_key(step.from, step.to), WallCrease{step.points, step.deviation, of});
         if (!added && crease->second.walls != of && step.points.rows() > 2) return false;
         if (added && step.from > step.to) {
           crease->second.points = step.points.colwise().reverse().eval();
@@ -365,7 +364,7 @@ private:
     for (std::size_t k = 0; k < corners.size(); ++k) {
       const Index from = corners[k], to = corners[(k + 1) % corners.size()];
       points.push_back(at(from));
-      const auto found = meeting.creases.find({std::min(from, to), std::max(from, to)});
+      const auto found = meeting.creases.find(edge_key(from, to));
       const Index inner = found == meeting.creases.end() ? 0 : found->second.points.rows() - 2;
       for (Index j = 1; j <= inner; ++j) points.emplace_back(found->second.points.row(from < to ? j : inner + 1 - j));
     }

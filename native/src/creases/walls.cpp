@@ -6,13 +6,12 @@
 #include <functional>
 #include <iterator>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
-#include "tripatch/creases/wall_meeting.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/tolerant_compare.h"
+#include "tripatch/mesh/edge_key.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/mesh/vertex_normals.h"
 
@@ -229,7 +228,7 @@ private:
       const std::span<const Index> corners = mesh_.faces[piece[next]];
       for (std::size_t k = 0; k < corners.size(); ++k) {
         const Index a = corners[k], b = corners[(k + 1) % corners.size()];
-        if (std::ranges::binary_search(*sharp_, std::array{std::min(a, b), std::max(a, b)})) continue;
+        if (std::ranges::binary_search(*sharp_, edge_key(a, b))) continue;
         const auto beyond = around_.edge(b, a);
         if (beyond && is_near(around_.face(*beyond)) && seen.add(around_.face(*beyond))) piece.push_back(around_.face(*beyond));
       }

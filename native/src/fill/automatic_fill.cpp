@@ -8,18 +8,16 @@
 #include <variant>
 
 #include "tripatch/constructions/methods.h"
-#include "tripatch/creases/features.h"
 #include "tripatch/creases/walls.h"
 #include "tripatch/fill/any_rim_fill.h"
+#include "tripatch/fill/found_sides.h"
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/fill/rows_fill.h"
 #include "tripatch/fill/select.h"
 #include "tripatch/fill/triangle_fill.h"
 #include "tripatch/grid/continued_quads.h"
-#include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
-#include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/mesh/vertex_normals.h"
@@ -32,152 +30,6 @@ namespace {
 
 const std::string round_of_revolution = "the hole is round, and its surroundings are of revolution";
 
-/// Whether the hole has lost a flat wall, and no sides are found which by themselves continue none of those that are left.
-bool missing_planar_face(const FillContext& context, const std::vector<Index>& rim, std::vector<Index> corners,
-                         const FillOptions& options) {
-  if (is_shaped_by_hand(options) || !is_continuity_open(options)) return false;
-  if (!walls_end_at_flat_rim(context.mesh, context.left, rim, diameter(context.mesh, rim))) return false;
-  if (corners.empty()) corners = at_places(rim, corners_between_sharp(context.mesh, context.left, rim));
-  if (corners.size() < 2 || corners.size() > static_cast<std::size_t>(max_sides)) return true;
-  const std::vector<double> angles = sharp_sides(context.mesh, context.left, rim, places_in(rim, corners));
-  return !std::ranges::all_of(angles, [](double angle) { return angle > 0; });
-}
-
-/// Whether all that is asked for by hand is that the sides meet the mesh in position only.
-bool asks_for_positions_only(FillOptions options) {
-  const bool all = std::ranges::all_of(options.continuity,
-                                       [](SideContinuity c) { return c == SideContinuity::free || c == SideContinuity::g0; });
-  options.continuity = FillOptions().continuity;
-  return all && !is_shaped_by_hand(options);
-}
-
-/// What an exact patch of the hole lies over.
-enum class Domain { none, triangle, polygon, disc };
-
-/// The sides of a hole, and what follows from them.
-struct SidesFound {
-  Domain domain = Domain::none;
-  std::string reason;               ///< why there is no patch, or of the domain
-  Hole hole = {};                   ///< of a triangle
-  std::vector<Index> corners = {};  ///< of a polygon
-  Corners of_spline = {};
-  FillOptions options = {};    ///< with what the sides change in them
-  bool has_lost_wall = false;  ///< which closes the hole
-  bool is_flat = false;        ///< given corners, of a hole that has lost a wall
-};
-
-std::string smooth_sides_of(std::size_t count) {
-  return "the hole has " + (count == 3 ? "three" : std::to_string(count)) + " smooth sides";
-}
-
-/// Finds the sides of a hole.
-class SideFinder {
-public:
-  SideFinder(const FillContext& context, const std::vector<Index>& rim, const Corners& given, const FillOptions& options)
-      : ground_(context), loop_(rim), given_(given) {
-    out_.of_spline = given;
-    out_.options = options;
-  }
-
-  SidesFound found() {
-    FillOptions& options = out_.options;
-    if (options.cap != Cap::automatic && options.islands.empty()) return cap();
-    if (!options.islands.empty()) return none("the hole has islands");
-    if (!given_) return detected();
-    if (given_->empty()) return round_or("a round hole was requested, but its boundary is not smooth");
-    out_.is_flat = missing_planar_face(ground_, loop_, *given_, options);
-    if (out_.is_flat) options.continuity = SideContinuity::free;
-    if (makes_polygon(*given_) || (given_->size() == 3 && !options.through.empty())) return polygon(*given_);
-    if (given_->size() != 3) return none(std::to_string(given_->size()) + " corners are given");
-    check_finite(ground_.mesh, ground_.left, loop_);
-    if (const std::string crease = crease_across(); !crease.empty()) return none(crease);
-    return triangle(make_hole(ground_.mesh, ground_.left, loop_, three(given_)));
-  }
-
-private:
-  SidesFound detected() {
-    // wherever the rim is begun, the same corners are found, in the same order
-    std::rotate(loop_.begin(), std::min_element(loop_.begin(), loop_.end()), loop_.end());
-    check_finite(ground_.mesh, ground_.left, loop_);
-    const std::vector<Index> corners = at_places(loop_, corners_between_sides(ground_.mesh, ground_.left, loop_));
-    if (const std::string crease = crease_across(); !crease.empty()) return none(crease);
-    if (missing_planar_face(ground_, loop_, corners, out_.options)) {
-      out_.has_lost_wall = true;
-      return none("a flat wall is missing");
-    }
-    if (makes_polygon(corners) || (corners.size() == 3 && !out_.options.through.empty())) return polygon(corners);
-    try {
-      return triangle(make_hole(ground_.mesh, ground_.left, loop_, std::nullopt));
-    } catch (const CodedRefusal&) {
-      return between_sharp("no smooth sides were found");
-    }
-  }
-
-  SidesFound between_sharp(const std::string& otherwise) {
-    const std::vector<Index> sharp = at_places(loop_, corners_between_sharp(ground_.mesh, ground_.left, loop_));
-    if (sharp.empty()) return round_or(otherwise);
-    const bool sided = makes_polygon(sharp) && (!asks_for_sides(out_.options) || asks_for_positions_only(out_.options));
-    return sided ? polygon(sharp) : none(otherwise);
-  }
-
-  /// Which crease of the surroundings continues across the hole; empty: none.
-  std::string crease_across() {
-    if (!out_.options.features) return {};
-    const Features near = find_features(ground_.mesh, ground_.left, loop_);
-    const auto goes_on = [&](const Connectivity& around) { return find_features(ground_.mesh, around, loop_).found(); };
-    if (near.found() && (!ground_.is_part() || goes_on(Connectivity(ground_.mesh, out_.options.replaced))))
-      return !near.walls || !near.walls->are_flat ? "a crease of the surroundings continues across the hole"
-             : near.walls->parts.size() == 1      ? "a flat wall continues over the hole"
-             : near.walls->nodes.empty()          ? "a crease of the surroundings continues across the hole"
-                                                  : "flat walls around the hole meet in it";
-    const auto is_known = [&](Index v) { return ground_.left.knows(v); };
-    // what is not there need not be sought again
-    out_.options.features = near.found() || !std::all_of(near.vertices.begin(), near.vertices.end(), is_known);
-    return {};
-  }
-
-  SidesFound cap() {
-    out_.has_lost_wall = out_.options.cap == Cap::flat;
-    out_.of_spline.emplace();
-    out_.reason = std::string("a ") + name_of(out_.options.cap) + " cap was requested";
-    if (out_.options.cap == Cap::flat) {
-      check_finite(ground_.mesh, ground_.left, loop_);
-      return std::move(out_);
-    }
-    if (is_continuity_open(out_.options)) out_.options.continuity = SideContinuity::g1;
-    out_.domain = Domain::disc;
-    return std::move(out_);
-  }
-  SidesFound round_or(const std::string& otherwise) {
-    out_.of_spline.emplace();
-    if (!is_round(ground_.mesh, ground_.left, loop_)) return none(otherwise);
-    out_.domain = Domain::disc;
-    out_.reason = "the hole is round";
-    return std::move(out_);
-  }
-  SidesFound polygon(const std::vector<Index>& corners) {
-    out_.domain = Domain::polygon;
-    out_.reason = smooth_sides_of(corners.size());
-    out_.of_spline = out_.corners = corners;
-    return std::move(out_);
-  }
-  SidesFound triangle(Hole hole) {
-    out_.domain = Domain::triangle;
-    out_.reason = smooth_sides_of(3);
-    out_.hole = std::move(hole);
-    return std::move(out_);
-  }
-  SidesFound none(const std::string& reason) {
-    out_.reason = reason;
-    return std::move(out_);
-  }
-
-  const FillContext& ground_;
-  std::vector<Index> loop_;
-  const Corners& given_;
-  SidesFound out_;
-};
-
 /// What the patch of a hole is made of.
 using PatchInput = std::variant<TriangleInput, PolygonInput, DiscInput>;
 
@@ -189,7 +41,7 @@ struct FillProblem {
       : context(g), rim(given_rim), loop(check_topology(g.left, given_rim)), corners(given), options(asked) {}
 
   const SidesFound& sides() {
-    if (!sides_) sides_ = SideFinder(context, loop, corners, options).found();
+    if (!sides_) sides_ = found_sides(context, loop, corners, options);
     return *sides_;
   }
   bool is_flat() const { return sides_ && sides_->is_flat; }
@@ -243,7 +95,7 @@ Quality judged(FillProblem& problem, const Fill& fill) {
 /// Whether the patch between the sides is used if it is valid, whatever else would be more accurate.
 bool wants_patch(FillProblem& problem) {
   // without fairing nothing tells how accurate a patch between three sides is, and fairing takes ten times as long as all else
-  const bool unknown = !problem.options.fairing && problem.sides().domain == Domain::triangle;
+  const bool unknown = !problem.options.fairing && problem.sides().domain == PatchDomain::triangle;
   const bool given = problem.corners && !problem.corners->empty();
   return given || unknown || is_shaped_by_hand(problem.options) || problem.options.cap != Cap::automatic;
 }
@@ -281,7 +133,7 @@ void check_sides(const FillContext& context, const std::vector<Index>& rim, std:
 
 FillOptions options_of_patch(FillProblem& problem) {
   FillOptions options = problem.sides().options;
-  if (problem.sides().domain != Domain::triangle) options.cross_boundary = CrossBoundary::consistent;  // of three sides
+  if (problem.sides().domain != PatchDomain::triangle) options.cross_boundary = CrossBoundary::consistent;  // of three sides
   return options;
 }
 
@@ -289,12 +141,12 @@ PatchInput read_input(FillProblem& problem) {
   const FillContext& context = problem.context;
   const SidesFound& sides = problem.sides();
   const FillOptions options = options_of_patch(problem);
-  if (sides.domain == Domain::triangle) {
+  if (sides.domain == PatchDomain::triangle) {
     check_counts(options, 3);
     check_sides(context, sides.hole.rim, sides.hole.corners);
     return triangle_input(context, sides.hole, options);
   }
-  if (sides.domain == Domain::disc) {
+  if (sides.domain == PatchDomain::disc) {
     check_counts(options, 1);
     check_positions(context.mesh, context.left, problem.loop);
     return disc_input(context.mesh, context.left, problem.loop, options, context.planes);
@@ -313,7 +165,7 @@ const PatchInput& input_of(FillProblem& problem) {
 
 /// A patch is left out whose tangent planes are so uncertain that the spline is better whatever the patch is like.
 std::string skip_patch(FillProblem& problem, const TriedFills& tried) {
-  if (problem.sides().domain == Domain::none) return problem.sides().reason;
+  if (problem.sides().domain == PatchDomain::none) return problem.sides().reason;
   const double degrees = std::visit([](const auto& input) { return input.planes_error; }, input_of(problem));
   const double least = least_error(degrees, problem.size);
   if (wants_patch(problem) || is_negligible(least, problem.size)) return "";
@@ -398,17 +250,17 @@ Fill make_lid(FillProblem& problem, const TriedFills&) {
 /// Why the whole surrounding surface is continued.
 std::string why_spline(FillProblem& problem, const TriedFills& tried) {
   const SidesFound& sides = problem.sides();
-  if (sides.domain == Domain::none || problem.options.cap != Cap::automatic) return sides.reason;
-  const std::size_t count = sides.domain == Domain::triangle ? 3 : sides.corners.size();
+  if (sides.domain == PatchDomain::none || problem.options.cap != Cap::automatic) return sides.reason;
+  const std::size_t count = sides.domain == PatchDomain::triangle ? 3 : sides.corners.size();
   const std::string between =
-      sides.domain == Domain::disc ? "over the round hole" : "between " + std::to_string(count) + " corners";
+      sides.domain == PatchDomain::disc ? "over the round hole" : "between " + std::to_string(count) + " corners";
   const FillCandidate& patch = patch_in(tried).row;
   if (patch.status == CandidateStatus::refused) return "no patch fits " + between + ": " + patch.why;
   if (patch.quality.crosses) return "a patch " + between + " would cross itself";
   if (patch.quality.folds > 0) return "a patch " + between + " would fold";
   if (patch.quality.exceeds_hole_bounds) return "a patch " + between + " would leave the hole";
   return "the whole surrounding surface says more than " +
-         (sides.domain == Domain::disc ? "the round boundary" : "its " + std::to_string(count) + " sides");
+         (sides.domain == PatchDomain::disc ? "the round boundary" : "its " + std::to_string(count) + " sides");
 }
 
 std::string skip_spline(FillProblem& problem, const TriedFills& tried) {
@@ -446,7 +298,7 @@ std::string skip_folded(FillProblem&, const TriedFills& tried) {
 }
 
 Fill make_folded(FillProblem& problem, const TriedFills&) {
-  if (problem.sides().domain != Domain::polygon) throw CodedRefusal(Code::patch_would_fold, problem.loop);
+  if (problem.sides().domain != PatchDomain::polygon) throw CodedRefusal(Code::patch_would_fold, problem.loop);
   Fill fill = make_polygon(problem, true);
   fill.report.method_reason = problem.sides().reason;
   return fill;

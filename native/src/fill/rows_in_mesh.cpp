@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "tripatch/creases/features.h"
-#include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/mesh/edge_key.h"
 #include "tripatch/mesh/vertex_normals.h"
 
 namespace tripatch {
@@ -94,15 +94,14 @@ std::vector<std::array<Index, 2>> RowsInMesh::creases() const {
   if (ends.empty()) return {};
   const Features features = find_features(ground_.mesh, ground_.left, fill_.rim);
   const auto is_crease = [&](Index a, Index b) {
-    const std::array<Index, 2> edge = {std::min(vertices_[a], vertices_[b]), std::max(vertices_[a], vertices_[b])};
-    return features.walls || std::ranges::binary_search(features.barred, edge);
+    return features.walls || std::ranges::binary_search(features.barred, edge_key(vertices_[a], vertices_[b]));
   };
-  std::set<std::array<Index, 2>> found;
+  std::set<EdgeKey> found;
   for (auto [from, to] : ends) {
     if (!is_crease(from, to)) continue;
     Index next = straight_on(from, to);
     while (next >= 0 && next < own_ && is_sharp(to, next)) {
-      if (is_inside(to, next) && !found.insert({std::min(to, next), std::max(to, next)}).second) break;
+      if (is_inside(to, next) && !found.insert(edge_key(to, next)).second) break;
       from = std::exchange(to, next);
       next = straight_on(from, to);
     }

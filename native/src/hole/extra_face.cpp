@@ -8,6 +8,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "tripatch/mesh/edge_key.h"
+
 namespace tripatch {
 namespace {
 
@@ -75,8 +77,8 @@ std::vector<std::optional<Message>> told_of_extra_faces(const Mesh& mesh, std::s
   std::vector<std::optional<Message>> told(rims.size());
   const std::vector<char> on_rim = marked_rims(mesh, rims);
   const std::vector<Ear> ears = ears_of(mesh, rims, on_rim);
-  std::map<std::array<Index, 2>, std::vector<const Ear*>> by_edge;
-  for (const Ear& ear : ears) by_edge[{std::min(ear.a, ear.b), std::max(ear.a, ear.b)}].push_back(&ear);
+  std::map<EdgeKey, std::vector<const Ear*>> by_edge;
+  for (const Ear& ear : ears) by_edge[edge_key(ear.a, ear.b)].push_back(&ear);
   const Index n = mesh.vertices.rows();
   for (Index f = 0; f < mesh.faces.size() && !ears.empty(); ++f) {
     const std::span<const Index> face = mesh.faces[f];
@@ -84,7 +86,7 @@ std::vector<std::optional<Message>> told_of_extra_faces(const Mesh& mesh, std::s
     for (std::size_t k = 0; k < face.size(); ++k) {
       const Index a = face[k], b = face[(k + 1) % face.size()];
       if (!on_rim[a] || !on_rim[b]) continue;
-      const auto found = by_edge.find({std::min(a, b), std::max(a, b)});
+      const auto found = by_edge.find(edge_key(a, b));
       if (found == by_edge.end()) continue;
       for (const Ear* ear : found->second) {
         std::optional<Message>& said = told[static_cast<std::size_t>(ear->rim)];

@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "tripatch/messages.h"
+#include "tripatch/mesh/edge_key.h"
 
 namespace tripatch {
 namespace {
@@ -57,8 +57,6 @@ std::vector<Index> rim_vertices_at(const Mesh& mesh, std::span<const std::vector
 using Edge = std::array<Index, 2>;        ///< the lower vertex first
 using PlacedEdge = std::array<Index, 2>;  ///< likewise, by the vertices that stand for the places of its ends
 
-std::array<Index, 2> in_order(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
-
 /// The edges of the border between places on rims.
 std::map<PlacedEdge, std::vector<Edge>> border_between(const FacesRef& faces, const std::vector<Index>& at) {
   std::map<PlacedEdge, std::vector<Edge>> all, border;
@@ -67,7 +65,7 @@ std::map<PlacedEdge, std::vector<Edge>> border_between(const FacesRef& faces, co
     for (std::size_t k = 0; k < faces[f].size(); ++k) {
       const Index a = faces[f][k], b = faces[f][(k + 1) % faces[f].size()];
       if (!passed(a) || !passed(b) || a == b) continue;
-      all[in_order(at[a], at[b])].push_back(in_order(a, b));
+      all[edge_key(at[a], at[b])].push_back(edge_key(a, b));
     }
   for (auto& [between, edges] : all) {
     std::sort(edges.begin(), edges.end());
@@ -92,9 +90,9 @@ std::vector<std::optional<Message>> told_of_near_duplicate_borders(const Mesh& m
     std::size_t upon = 0;
     Edge one = {};
     for (std::size_t k = 0; k < rim.size(); ++k) {
-      const Edge edge = in_order(rim[k], rim[(k + 1) % rim.size()]);
+      const Edge edge = edge_key(rim[k], rim[(k + 1) % rim.size()]);
       if (edge[0] < 0 || edge[1] >= mesh.vertices.rows()) continue;
-      const auto found = border.find(in_order(at[edge[0]], at[edge[1]]));
+      const auto found = border.find(edge_key(at[edge[0]], at[edge[1]]));
       if (found == border.end() || found->second.size() < 2) continue;
       if (std::find(found->second.begin(), found->second.end(), edge) == found->second.end()) continue;
       if (upon++ == 0) one = edge;

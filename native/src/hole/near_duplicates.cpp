@@ -2,16 +2,15 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <numeric>
 #include <tuple>
-#include <unordered_map>
 #include <utility>
 
 #include "tripatch/math/box_tree.h"
 #include "tripatch/math/tolerant_compare.h"
+#include "tripatch/mesh/edge_key.h"
 
 namespace tripatch {
 namespace {
@@ -277,7 +276,7 @@ std::vector<Contact> contacts(const Mesh& mesh, std::span<const std::vector<Inde
     }
     if (!on_any) continue;
     Contact& contact = found[own.loop];
-    if (contact.on_others + contact.on_itself == 0) contact.edge = {std::min(own.from, own.to), std::max(own.from, own.to)};
+    if (contact.on_others + contact.on_itself == 0) contact.edge = edge_key(own.from, own.to);
     ++(on_others ? contact.on_others : contact.on_itself);
   }
   return found;

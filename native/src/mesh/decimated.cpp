@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -140,19 +139,14 @@ private:
     return shared > 0 && common == shared && (loop_[gone] < 0 || shared == 1);
   }
 
-  Vec3 normal(const std::array<Index, 3>& t) const {
-    const Vec3 p = points_.row(t[0]), q = points_.row(t[1]), r = points_.row(t[2]);
-    return (q - p).cross(r - p);
-  }
-
   bool collapse(Index kept, Index gone) {
     if (!may_go(kept, gone)) return false;
     for (Index t : at_) {
       std::array<Index, 3> turned = triangles_[t];
       if (has(turned, kept)) continue;
-      const Vec3 before = normal(turned);
+      const Vec3 before = triangle_normal(points_, turned);
       std::replace(turned.begin(), turned.end(), gone, kept);
-      const Vec3 after = normal(turned);
+      const Vec3 after = triangle_normal(points_, turned);
       if (!(after.dot(before) > min_cosine * after.norm() * before.norm())) return false;
     }
     first_[gone] = none;

@@ -6,6 +6,7 @@
 
 #include "tripatch/math/angle.h"
 #include "tripatch/math/tolerant_compare.h"
+#include "tripatch/mesh/edge_key.h"
 
 namespace tripatch {
 namespace {
@@ -19,7 +20,7 @@ struct TrianglePair {
 using Edges = std::vector<std::array<Index, 2>>;  // sorted, each from its lower end
 
 bool contains(const Edges& edges, Index a, Index b) {
-  return std::binary_search(edges.begin(), edges.end(), std::array{std::min(a, b), std::max(a, b)});
+  return std::binary_search(edges.begin(), edges.end(), edge_key(a, b));
 }
 
 /// Infinite beyond the thresholds. The quad is (c, a, d, b), its diagonal a-b. stay: edges whose ends do not move.
@@ -50,7 +51,7 @@ std::vector<TrianglePair> candidates(const PointsRef& points, const std::vector<
     int triangle, corner;
   };
   Edges stay;  // those kept, and the border
-  for (const auto& [a, b] : kept) stay.push_back({std::min(a, b), std::max(a, b)});
+  for (const auto& [a, b] : kept) stay.push_back(edge_key(a, b));
   std::vector<Edge> edges;
   for (int t = 0; t < static_cast<int>(triangles.size()); ++t)
     for (int k = 0; k < 3; ++k) {

@@ -2,21 +2,20 @@
 
 #include <Eigen/Dense>
 #include <Eigen/OrderingMethods>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
-#include <span>
 
 #include "tripatch/math/block_ldlt.h"
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/tolerant_compare.h"
+#include "tripatch/parametrization/layout_mesh.h"
+#include "tripatch/parametrization/tutte_system.h"
 
 namespace tripatch {
 namespace {
 
-using Triangle = std::array<int, 3>;
+using Triangle = LayoutMesh::Triangle;
 using Matrix2 = Eigen::Matrix2d;
 using Sparse = Eigen::SparseMatrix<double>;
 
@@ -61,162 +60,6 @@ constexpr double near_its_end = 0.1;
 /// Of the way to where the first triangle loses its area: as far as a step goes. With 0.54 of it 72 fills (reference.cpp) are 1.5% farther.
 constexpr double to_barrier = 0.9;
 
-// ------------------------------------------------------------------------------------------------------- connectivity
-
-/// The triangles connected across edges with the first one, by their own count of vertices, its inner holes closed.
-struct LayoutMesh {
-  std::vector<Triangle> triangles;  // the first `real` of them are the caller's
-  std::size_t real = 0;
-  std::vector<Index> vertices;           // of the caller; those added to close holes come after them
-  int count = 0;                         // of vertices, with those added
-  std::vector<std::vector<int>> filled;  // the loops; loop k is closed by vertex vertices.size() + k
-  std::vector<int> border;               // the outer one, as the triangles traverse it
-};
-
-/// An edge is 3 * triangle + k, from the triangle's corner k to the next.
-int next_in_triangle(int edge) { return edge % 3 == 2 ? edge - 2 : edge + 1; }
-
-/// Across edge k of triangle t the other triangle's edge, or -1. False where an edge is no manifold's.
-bool find_neighbors(const std::vector<Triangle>& triangles, int count, std::vector<int>& across) {
-  across.assign(3 * triangles.size(), -1);
-  const auto ends = [&](int edge) { return std::minmax(triangles[edge / 3][edge % 3], triangles[edge / 3][(edge + 1) % 3]); };
-  std::vector<int> start(count + 1, 0);  // of the edges of each lower end
-  for (int edge = 0; edge < static_cast<int>(across.size()); ++edge) ++start[ends(edge).first + 1];
-  std::partial_sum(start.begin(), start.end(), start.begin());
-  std::vector<std::array<int, 2>> others(across.size());  // (higher end, edge)
-  std::vector<int> next(start.begin(), start.end() - 1);
-  for (int edge = 0; edge < static_cast<int>(across.size()); ++edge) {
-    const auto [low, high] = ends(edge);
-    if (low == high) return false;
-    others[next[low]++] = {high, edge};
-  }
-  for (int low = 0; low < count; ++low) {
-    const std::span<std::array<int, 2>> here(others.begin() + start[low], others.begin() + start[low + 1]);
-    std::sort(here.begin(), here.end());
-    const auto same = [&](std::size_t i, std::size_t j) { return j < here.size() && here[i][0] == here[j][0]; };
-    for (std::size_t i = 0; i < here.size(); ++i) {
-      if (!same(i, i + 1)) continue;
-      const int one = here[i][1], other = here[i + 1][1];
-      if (same(i, i + 2) || triangles[one / 3][one % 3] == triangles[other / 3][other % 3]) return false;
-      across[one] = other;
-      across[other] = one;
-      ++i;
-    }
-  }
-  return true;
-}
-
-/// Loops of border edges as the triangles traverse them, no vertex twice in one.
-std::vector<std::vector<int>> border_loops(const std::vector<Triangle>& triangles, const std::vector<int>& across, int count) {
-  std::vector<std::vector<int>> loops;
-  std::vector<char> done(across.size(), 0);
-  std::vector<int> place(count, -1);
-  for (int start = 0; start < static_cast<int>(across.size()); ++start) {
-    if (across[start] >= 0 || done[start]) continue;
-    std::vector<int> walk;
-    for (int h = start; !done[h];) {
-      done[h] = 1;
-      const int v = triangles[h / 3][h % 3];
-      if (place[v] >= 0) {  // a part of the walk is closed
-        loops.emplace_back(walk.begin() + place[v], walk.end());
-        for (int u : loops.back()) place[u] = -1;
-        walk.resize(walk.size() - loops.back().size());
-      }
-      place[v] = static_cast<int>(walk.size());
-      walk.push_back(v);
-      h = next_in_triangle(h);
-      while (across[h] >= 0) h = next_in_triangle(across[h]);
-    }
-    for (int u : walk) place[u] = -1;
-    loops.push_back(std::move(walk));
-  }
-  return loops;
-}
-
-/// Every vertex has one fan of triangles.
-bool fans_are_whole(const std::vector<Triangle>& triangles, const std::vector<int>& across, int count) {
-  std::vector<int> corners(count, 0), turned(count, -1);
-  for (const Triangle& t : triangles)
-    for (int v : t) ++corners[v];
-  for (int h = 0; h < static_cast<int>(across.size()); ++h) {
-    const int v = triangles[h / 3][h % 3];
-    if (turned[v] >= 0) continue;
-    int first = h, n = 1;  // back to the border or around
-    for (int g = across[first]; g >= 0 && (first = next_in_triangle(g)) != h; g = across[first]) {
-    }
-    const auto next = [&](int g) { return across[next_in_triangle(next_in_triangle(g))]; };
-    for (int g = next(first); g >= 0 && g != first; g = next(g)) ++n;
-    turned[v] = n;
-    if (n != corners[v]) return false;
-  }
-  return true;
-}
-
-std::optional<LayoutMesh> make_layout_mesh(const PointsRef& points, const std::vector<std::array<Index, 3>>& triangles) {
-  LayoutMesh disc;
-  if (triangles.empty()) return std::nullopt;
-  std::vector<Triangle> all;
-  all.reserve(triangles.size());
-  for (const auto& t : triangles) {
-    for (Index v : t)
-      if (v < 0 || v >= points.rows()) throw InvalidArgument("triangles of rows that the points do not have");
-    all.push_back({static_cast<int>(t[0]), static_cast<int>(t[1]), static_cast<int>(t[2])});
-  }
-  std::vector<int> across;
-  if (!find_neighbors(all, static_cast<int>(points.rows()), across)) return std::nullopt;
-  std::vector<char> reached(all.size(), 0);
-  std::vector<int> open = {0};
-  reached[0] = 1;
-  while (!open.empty()) {
-    const int t = open.back();
-    open.pop_back();
-    for (int k = 0; k < 3; ++k)
-      if (const int h = across[3 * t + k]; h >= 0 && !reached[h / 3]) reached[h / 3] = 1, open.push_back(h / 3);
-  }
-  std::vector<int> number(points.rows(), -1);
-  for (std::size_t t = 0; t < all.size(); ++t) {
-    if (!reached[t]) continue;
-    for (int& v : all[t]) {
-      if (number[v] < 0) {
-        number[v] = disc.count++;
-        disc.vertices.push_back(v);
-      }
-      v = number[v];
-    }
-    disc.triangles.push_back(all[t]);
-  }
-  disc.real = disc.triangles.size();
-
-  if (disc.real < all.size()) find_neighbors(disc.triangles, disc.count, across);
-  std::vector<std::vector<int>> loops = border_loops(disc.triangles, across, disc.count);
-  if (loops.empty()) return std::nullopt;
-  std::size_t outer = 0;
-  double longest = -1;
-  for (std::size_t l = 0; l < loops.size(); ++l) {
-    double length = 0;
-    for (std::size_t k = 0; k < loops[l].size(); ++k)
-      length += (points.row(disc.vertices[loops[l][k]]) - points.row(disc.vertices[loops[l][(k + 1) % loops[l].size()]])).norm();
-    if (clearly_more(length, longest)) longest = length, outer = l;
-  }
-  for (std::size_t l = 0; l < loops.size(); ++l) {
-    if (l == outer) continue;
-    if (loops[l].size() < 3) return std::nullopt;
-    for (std::size_t k = 0; k < loops[l].size(); ++k)
-      disc.triangles.push_back({loops[l][(k + 1) % loops[l].size()], loops[l][k], disc.count});
-    ++disc.count;
-    disc.filled.push_back(std::move(loops[l]));
-  }
-  disc.border = std::move(loops[outer]);
-  if (!disc.filled.empty() && !find_neighbors(disc.triangles, disc.count, across)) return std::nullopt;
-  if (!fans_are_whole(disc.triangles, across, disc.count)) return std::nullopt;
-  const auto border_edges = static_cast<std::size_t>(std::count(across.begin(), across.end(), -1));
-  const std::size_t edges = (across.size() + border_edges) / 2;
-  if (border_edges != disc.border.size() || disc.count + disc.triangles.size() != edges + 1) return std::nullopt;
-  return disc;
-}
-
-// ------------------------------------------------------------------------------------------------------- energy
-
 /// A triangle in space: gradients of its three hat functions in its own plane, and its share of the energy.
 struct Shape {
   std::array<Vec2, 3> gradient;
@@ -246,84 +89,6 @@ Shape shape_of(const Vec3& a, const Vec3& b, const Vec3& c, double shortest) {
     shape.cotangent[k] = -2 * shape.weight * shape.gradient[(k + 1) % 3].dot(shape.gradient[(k + 2) % 3]);
   return shape;
 }
-
-/// The equations of Tutte's embedding with the border on a circle, whose weights may change.
-class TutteSystem {
-public:
-  /// angle: of the border's vertices; rank: of all vertices in the order of elimination.
-  TutteSystem(const LayoutMesh& disc, const std::vector<double>& angle, const std::vector<int>& rank)
-      : disc_(disc), border_(PlanePoints::Zero(disc.count, 2)), row_(disc.count, -1) {
-    std::vector<char> held(disc.count, 0);
-    const double radius = 1 / std::sqrt(EIGEN_PI);
-    for (std::size_t k = 0; k < disc.border.size(); ++k) {
-      border_.row(disc.border[k]) << radius * std::cos(angle[k]), radius * std::sin(angle[k]);
-      held[disc.border[k]] = 1;
-    }
-    std::vector<int> inside(disc.count);  // in the order of elimination
-    for (int v = 0; v < disc.count; ++v) inside[rank[v]] = v;
-    for (int v : inside)
-      if (!held[v]) row_[v] = count_++;
-    if (count_ == 0) return;
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(static_cast<std::size_t>(count_) + 3 * disc.triangles.size());
-    for (int row = 0; row < count_; ++row) entries.emplace_back(row, row, 0);
-    for (const Triangle& t : disc.triangles)  // of two next to an edge each takes it in its own direction
-      for (int k = 0; k < 3; ++k)
-        if (const int p = t[k], q = t[(k + 1) % 3]; is_below(p, q)) entries.emplace_back(row_[p], row_[q], 0);
-    laplacian_.resize(count_, count_);
-    laplacian_.setFromTriplets(entries.begin(), entries.end());
-    for_each_pair([&](int p, int q, std::size_t, int) {
-      own_.push_back(laplacian_.outerIndexPtr()[row_[p]]);
-      between_.push_back(is_below(p, q) ? static_cast<int>(&laplacian_.coeffRef(row_[p], row_[q]) - laplacian_.valuePtr()) : -1);
-    });
-    solver_.analyzePattern(laplacian_);
-  }
-
-  /// weight: of edge k of triangle t.
-  template <class Weight>
-  PlanePoints solved(const Weight& weight) {
-    PlanePoints uv = border_;
-    if (count_ == 0) return uv;
-    std::fill_n(laplacian_.valuePtr(), laplacian_.nonZeros(), 0.0);
-    PlanePoints right = PlanePoints::Zero(count_, 2);
-    std::size_t pair = 0;
-    for_each_pair([&](int p, int q, std::size_t t, int k) {
-      const double w = weight(t, k);
-      laplacian_.valuePtr()[own_[pair]] += w;
-      if (row_[q] < 0) right.row(row_[p]) += w * uv.row(q);
-      if (between_[pair] >= 0) laplacian_.valuePtr()[between_[pair]] -= w;
-      ++pair;
-    });
-    solver_.factorize(laplacian_);
-    const Eigen::MatrixXd solution = solver_.solve(right);
-    for (int v = 0; v < disc_.count; ++v)
-      if (row_[v] >= 0) uv.row(v) = solution.row(row_[v]);
-    return uv;
-  }
-
-private:
-  /// Whether the entry of two vertices stands below the diagonal.
-  bool is_below(int row, int column) const { return row_[column] >= 0 && row_[row] > row_[column]; }
-
-  /// Both ways along the triangles' edges, but for those from the border.
-  template <class Use>
-  void for_each_pair(const Use& use) const {
-    for (std::size_t t = 0; t < disc_.triangles.size(); ++t)
-      for (int k = 0; k < 3; ++k) {
-        const int a = disc_.triangles[t][k], b = disc_.triangles[t][(k + 1) % 3];
-        if (row_[a] >= 0) use(a, b, t, k);
-        if (row_[b] >= 0) use(b, a, t, k);
-      }
-  }
-
-  const LayoutMesh& disc_;
-  PlanePoints border_;
-  std::vector<int> row_;  // of each vertex; -1: on the border
-  int count_ = 0;
-  Sparse laplacian_;
-  std::vector<int> own_, between_;  // of each pair: where its weight stands; -1: above the diagonal, or known
-  Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::NaturalOrdering<int>> solver_;
-};
 
 class Problem {
 public:

@@ -6,7 +6,6 @@
 #include <numbers>
 #include <optional>
 #include <ranges>
-#include <vector>
 
 #include "tripatch/math/angle.h"
 #include "tripatch/math/interruption.h"
@@ -242,6 +241,10 @@ Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, cons
   if (surely_unfolded(vertices, added, faces, beyond)) return 0;
   EdgesByVertex edges = edges_of_triangles(vertices.rows(), added.rows(), faces, beyond);
   return count_folded_edges(vertices, added, faces, beyond, edges);
+}
+
+Index count_folded_edges(const PointsRef& points, const Triangles& triangles, std::span<const AdjacentFace> beyond) {
+  return count_folded_edges(points, Points(0, 3), faces_of(triangles), beyond);
 }
 
 std::vector<std::array<Index, 2>> folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,

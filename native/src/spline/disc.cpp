@@ -20,6 +20,10 @@ constexpr double min_border = 0.7;
 /// Rings that are taken whatever their border: their slope is what a fill has to continue.
 constexpr int min_rings = 2;
 
+/// Relative, of squared distances over others: samples that are as far from those taken are taken in their order. More than a tie: a million
+/// sizes from the origin distances across a mesh that is stretched by 1000 are rounded by 1e-7 of themselves.
+constexpr double as_far = 1e-5;
+
 class Growth {
 public:
   Growth(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops)
@@ -204,6 +208,11 @@ private:
   Disc disc_;
 };
 
+/// Distances of a disc's vertices from the rim, and of its points on edges.
+Eigen::VectorXd distances(const Disc& disc) {
+  return with_points_on_edges(disc, Eigen::VectorXd(Eigen::VectorXd::Map(disc.distance.data(), disc.points.rows())));
+}
+
 }  // namespace
 
 Disc disc_around(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, double reach,
@@ -219,6 +228,38 @@ Disc disc_to_sample(const Mesh& mesh, const Connectivity& around, const std::vec
   Disc disc = disc_around(mesh, around, loops, reach, max_rings);
   disc.on_edges = points_on_long_edges(disc.points, disc.faces);
   return disc;
+}
+
+std::vector<Index> spread_samples(const Disc& disc, double edge, Index more, Index most) {
+  const Points points = with_points_on_edges(disc, disc.points);
+  const Eigen::VectorXd distance = distances(disc);
+  const Index n = points.rows();
+  const Index wanted = std::min(n, std::clamp(disc.rim + more, min_samples, most));
+  std::vector<Index> taken;
+  const Index of_rim = std::min(disc.rim, wanted / 2);
+  for (Index k = 0; k < of_rim; ++k) taken.push_back(k * disc.rim / of_rim);
+  const double none = -1;
+  const bool leaves_no_others = disc.rim + more_than_rim > max_samples;
+  const double spacing = leaves_no_others ? edge * static_cast<double>(disc.rim) / static_cast<double>(of_rim) : edge;
+  const Eigen::ArrayXd far = (distance.array() + spacing).square();
+  const Eigen::ArrayX3d at = points.array();
+  Eigen::ArrayXd gap = Eigen::ArrayXd::Constant(n, std::numeric_limits<double>::infinity());  // squared; none where it is taken
+  for (Index k : taken) gap[k] = none;
+  for (std::size_t done = 0; std::cmp_less(taken.size(), wanted);) {
+    for (; done < taken.size(); ++done) {
+      const auto point = points.row(taken[done]);
+      gap = gap.min((at.col(0) - point[0]).square() + (at.col(1) - point[1]).square() + (at.col(2) - point[2]).square());
+    }
+    const Eigen::ArrayXd value = gap / far;
+    Index best = -1;
+    double most = none;
+    for (Index k = 0; k < n; ++k)
+      if (gap[k] != none && value[k] > most + as_far * std::abs(most)) most = value[k], best = k;
+    if (best < 0) break;
+    taken.push_back(best);
+    gap[best] = none;
+  }
+  return taken;
 }
 
 }  // namespace tripatch

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "tripatch/math/decompositions.h"
-#include "tripatch/math/linear.h"
+#include "tripatch/math/dense_kernels.h"
 
 namespace tripatch {
 namespace {

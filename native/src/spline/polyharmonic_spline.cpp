@@ -6,9 +6,8 @@
 #include <utility>
 
 #include "tripatch/math/decompositions.h"
+#include "tripatch/math/dense_kernels.h"
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/linear.h"
-#include "tripatch/math/triangular.h"
 
 namespace tripatch {
 namespace {

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <optional>
 #include <queue>
 #include <tuple>
@@ -15,9 +14,11 @@
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/simd.h"
 #include "tripatch/math/tolerant_compare.h"
+#include "tripatch/mesh/edge_key.h"
 #include "tripatch/report/crossings.h"
-#include "tripatch/report/folded_triangles.h"
 #include "tripatch/triangulation/closed_line.h"
+#include "tripatch/triangulation/rim_polygon.h"
+#include "tripatch/triangulation/without_doubles.h"
 
 namespace tripatch {
 namespace {
@@ -45,15 +46,6 @@ constexpr double goes_on = 0.7;
 constexpr double unknown = 2;     // in place of the cosine's square where no face lies beyond: more than any
 constexpr double crossed = -1.5;  // in place of the square: worse than any angle
 constexpr double joined_already = -2, impossible = -4;  // worse than that; an edge to itself
-
-/// A closed polygon of rim vertices, some of which may occur twice (bridges). normals[k]: beyond the edge from k to the next.
-struct Polygon {
-  std::vector<Index> vertices;
-  std::vector<Vec3> normals;
-  Index size() const { return static_cast<Index>(vertices.size()); }
-};
-
-std::array<Index, 2> ordered(Index a, Index b) { return {std::min(a, b), std::max(a, b)}; }
 
 /// What the apexes of a chord (i, k) are compared by, one after the other from vertex i + 1 on.
 struct Apexes {
@@ -103,14 +95,14 @@ TRIPATCH_PACKED void compare_packed(const Apexes& apexes, bool only_best, double
 
 class Filler {
 public:
-  Filler(const PointsRef& points, std::vector<std::array<Index, 2>> joined, std::vector<std::array<Index, 2>> bridges)
+  Filler(const PointsRef& points, std::vector<EdgeKey> joined, std::vector<EdgeKey> bridges)
       : points_(points), joined_(std::move(joined)), bridges_(std::move(bridges)), place_(points.rows(), -1) {}
 
   /// No chord of these any more.
   void avoid(const std::vector<Crossing>& crossings) {
     for (const Crossing& each : crossings) {
-      avoided_.push_back(ordered(each.edge[0], each.edge[1]));
-      for (int k = 0; k < 3; ++k) avoided_.push_back(ordered(each.triangle[k], each.triangle[(k + 1) % 3]));
+      avoided_.push_back(edge_key(each.edge[0], each.edge[1]));
+      for (int k = 0; k < 3; ++k) avoided_.push_back(edge_key(each.triangle[k], each.triangle[(k + 1) % 3]));
     }
     std::sort(avoided_.begin(), avoided_.end());
   }
@@ -124,7 +116,7 @@ public:
     avoided_.clear();
   }
 
-  void fill(const Polygon& polygon, std::vector<std::array<Index, 3>>& out) {
+  void fill(const RimPolygon& polygon, std::vector<std::array<Index, 3>>& out) {
     if (polygon.size() > largest_exact) {
       by_parts(without_ears(polygon, out), out);
       return;
@@ -135,9 +127,9 @@ public:
 private:
   /// What is left of a large polygon without the ears that continue from the faces beyond their two edges, that with the shortest chord first:
   /// at every vertex where a jagged hole sticks out, then at the next, until few enough are left.
-  Polygon without_ears(const Polygon& polygon, std::vector<std::array<Index, 3>>& out) const {
+  RimPolygon without_ears(const RimPolygon& polygon, std::vector<std::array<Index, 3>>& out) const {
     const Index n = polygon.size();
-    Polygon left = polygon;
+    RimPolygon left = polygon;
     std::vector<Index> next(n), previous(n);
     std::vector<char> gone(n, 0);
     struct Ear {
@@ -175,7 +167,7 @@ private:
       consider(a);
       consider(c);
     }
-    Polygon result;
+    RimPolygon result;
     for (Index k = 0; k < n; ++k) {
       if (gone[k]) continue;
       result.vertices.push_back(left.vertices[k]);
@@ -185,14 +177,14 @@ private:
   }
 
   /// Triangulates every so-maniest vertex first, and then what lies between each of that fill's edges and the rim.
-  void by_parts(const Polygon& polygon, std::vector<std::array<Index, 3>>& out) {
+  void by_parts(const RimPolygon& polygon, std::vector<std::array<Index, 3>>& out) {
     if (polygon.size() <= largest_exact) {
       fill(polygon, out);
       return;
     }
     const std::vector<Index> sample = samples(polygon);
     const Index s = static_cast<Index>(sample.size()), n = polygon.size();
-    Polygon coarse;
+    RimPolygon coarse;
     for (Index j = 0; j < s; ++j) {
       coarse.vertices.push_back(polygon.vertices[sample[j]]);
       Vec3 sum = Vec3::Zero();
@@ -201,14 +193,13 @@ private:
     }
     for (const auto& t : exact(coarse)) {
       out.push_back({coarse.vertices[t[0]], coarse.vertices[t[1]], coarse.vertices[t[2]]});
-      const Vec3 a = points_.row(out.back()[0]), b = points_.row(out.back()[1]), c = points_.row(out.back()[2]);
-      const Vec3 normal = (b - a).cross(c - a).stableNormalized();
+      const Vec3 normal = triangle_normal(points_, out.back()).stableNormalized();
       for (int e = 0; e < 3; ++e) {
         const Index from = t[e], to = t[(e + 1) % 3];
         if (to != (from + 1) % s) continue;
         const Index first = sample[from], last = to ? sample[to] : n;
         if (last - first < 2) continue;
-        Polygon part;
+        RimPolygon part;
         for (Index k = first; k <= last; ++k) {
           part.vertices.push_back(polygon.vertices[k % n]);
           part.normals.push_back(k < last ? polygon.normals[k] : normal);
@@ -220,7 +211,7 @@ private:
 
   /// Some `largest_exact` places of the polygon evenly, those where a loop is left or entered among them, none next to another by an
   /// edge that the mesh has already.
-  std::vector<Index> samples(const Polygon& polygon) const {
+  std::vector<Index> samples(const RimPolygon& polygon) const {
     const Index n = polygon.size(), stride = (2 * n + largest_exact - 1) / largest_exact;
     std::vector<char> keep(n, 0);
     for (Index k = 0; k < n; k += stride) keep[k] = 1;
@@ -238,12 +229,12 @@ private:
     return sample;
   }
 
-  static bool is_one(const std::vector<std::array<Index, 2>>& pairs, Index a, Index b) {
-    return std::binary_search(pairs.begin(), pairs.end(), ordered(a, b));
+  static bool is_one(const std::vector<EdgeKey>& pairs, Index a, Index b) {
+    return std::binary_search(pairs.begin(), pairs.end(), edge_key(a, b));
   }
 
   /// What is asked of chord (i, k) itself: `unknown` or more for nothing.
-  void mark(const Polygon& polygon, Square& worst) {
+  void mark(const RimPolygon& polygon, Square& worst) {
     const Index n = polygon.size();
     worst.setConstant(n, n, unknown);
     std::vector<Index> next(n, -1);  // the place before it of the same vertex
@@ -265,7 +256,7 @@ private:
   }
 
   /// Triangles of the best fill by places in the polygon.
-  std::vector<std::array<Index, 3>> exact(const Polygon& polygon) {
+  std::vector<std::array<Index, 3>> exact(const RimPolygon& polygon) {
     const Index n = polygon.size();
     prepare(polygon);
     for (Index i = n - 2; i-- > 0;) {
@@ -273,7 +264,7 @@ private:
       for (Index k = i + 2; k < n; ++k) choose(i, k, n, polygon);
     }
     std::vector<std::array<Index, 3>> out;
-    std::vector<std::array<Index, 2>> open = {{0, n - 1}};
+    std::vector<EdgeKey> open = {{0, n - 1}};
     while (!open.empty()) {
       const auto [i, k] = open.back();
       open.pop_back();
@@ -286,7 +277,7 @@ private:
     return out;
   }
 
-  void prepare(const Polygon& polygon) {
+  void prepare(const RimPolygon& polygon) {
     const Index n = polygon.size();
     mark(polygon, worst_);
     apex_.setConstant(n, n, -1);
@@ -322,7 +313,7 @@ private:
     return best;
   }
   /// The best apex of chord (i, k).
-  void choose(Index i, Index k, Index n, const Polygon& polygon) {
+  void choose(Index i, Index k, Index n, const RimPolygon& polygon) {
     const Index first = i + 1, count = k - i - 1;
     if (by_area_)
       for (Index j = 0; j < count; ++j) score_[j] = std::min(worst_(i, first + j), worst_(first + j, k));
@@ -342,7 +333,7 @@ private:
   }
 
   /// The scores of all apexes of chord (i, k) where the worst angle counts, that over the faces beyond among them.
-  void score_angles(Index i, Index k, Index n, const Polygon& polygon) {
+  void score_angles(Index i, Index k, Index n, const RimPolygon& polygon) {
     const Index first = i + 1, count = k - i - 1;
     const bool are_final = !left_alone_ && k - i < n - 1 && !polygon.normals[i].isZero() && !polygon.normals[k - 1].isZero();
     compare(i, k, n, are_final);
@@ -420,8 +411,8 @@ private:
   Eigen::Vector3d normal_at(Index i, Index k) const { return {normal_[0](i, k), normal_[1](i, k), normal_[2](i, k)}; }
 
   const PointsRef& points_;
-  std::vector<std::array<Index, 2>> joined_, bridges_;  // ordered pairs, sorted
-  std::vector<std::array<Index, 2>> avoided_;
+  std::vector<EdgeKey> joined_, bridges_;  // ordered pairs, sorted
+  std::vector<EdgeKey> avoided_;
   const ClosedLine* left_alone_ = nullptr;
   bool by_area_ = false;
   std::vector<Index> place_;
@@ -433,139 +424,13 @@ private:
   std::array<Row, 5> work_;
 };
 
-struct Bridge {
-  Index from, to;  // place in the polygon, row of the point
-};
-
-/// The shortest that joins the polygon to a loop not yet taken, if possible none of the mesh's edges.
-Bridge shortest_bridge(const PointsRef& points, const Polygon& polygon, const std::vector<char>& taken,
-                       const std::vector<std::array<Index, 2>>& joined) {
-  Bridge best{0, -1};
-  for (const bool all : {false, true}) {
-    double least = std::numeric_limits<double>::infinity();
-    for (Index k = 0; k < polygon.size(); ++k)
-      for (Index v = 0; v < points.rows(); ++v) {
-        if (taken[v]) continue;
-        const double squared = (points.row(polygon.vertices[k]) - points.row(v)).squaredNorm();
-        if (!clearly_less(squared, least)) continue;
-        if (!all && std::binary_search(joined.begin(), joined.end(), ordered(polygon.vertices[k], v))) continue;
-        least = squared;
-        best = {k, v};
-      }
-    if (best.to >= 0) break;
-  }
-  return best;
-}
-
-void check(const PointsRef& points, const RimSurroundings& rim) {
-  const Index r = points.rows();
-  Index start = 0;
-  for (std::size_t k = 0; k <= rim.islands.size(); ++k) {
-    const Index end = k < rim.islands.size() ? rim.islands[k] : r;
-    if (end - start < 3 || end > r) throw InvalidArgument("every loop of a rim needs three vertices or more");
-    start = end;
-  }
-  if (rim.normals.size() && rim.normals.rows() != r) throw InvalidArgument("normals: one for each edge of the rim");
-  for (const auto& [a, b] : rim.joined)
-    if (std::min(a, b) < 0 || std::max(a, b) >= r) throw InvalidArgument("joined: pairs of rows of the rim's points");
-}
-
-/// All loops as one polygon, which walks every bridge twice.
-Polygon one_polygon(const PointsRef& points, const RimSurroundings& rim, const std::vector<std::array<Index, 2>>& joined,
-                    std::vector<std::array<Index, 2>>& bridges) {
-  const Index r = points.rows();
-  std::vector<Index> start = {0};
-  start.insert(start.end(), rim.islands.begin(), rim.islands.end());
-  start.push_back(r);
-  const auto normal = [&](Index k) { return rim.normals.size() ? Vec3(rim.normals.row(k)) : Vec3(Vec3::Zero()); };
-  Polygon polygon;
-  for (Index k = 0; k < start[1]; ++k) {
-    polygon.vertices.push_back(k);
-    polygon.normals.push_back(normal(k));
-  }
-  std::vector<char> taken(r, 0);
-  std::fill_n(taken.begin(), start[1], 1);
-  for (std::size_t island = 1; island + 1 < start.size(); ++island) {
-    const auto [place, v] = shortest_bridge(points, polygon, taken, joined);
-    const auto end = std::upper_bound(start.begin(), start.end(), v);
-    const Index low = *(end - 1), count = *end - low;
-    bridges.push_back(ordered(polygon.vertices[place], v));
-    Polygon walk;  // from the polygon's vertex over the island back to it
-    walk.vertices.push_back(polygon.vertices[place]);
-    walk.normals.push_back(Vec3::Zero());
-    for (Index k = 0; k <= count; ++k) {
-      walk.vertices.push_back(low + (v - low + k) % count);
-      walk.normals.push_back(k < count ? normal(walk.vertices.back()) : Vec3(Vec3::Zero()));
-    }
-    polygon.vertices.insert(polygon.vertices.begin() + place, walk.vertices.begin(), walk.vertices.end());
-    polygon.normals.insert(polygon.normals.begin() + place, walk.normals.begin(), walk.normals.end());
-    std::fill_n(taken.begin() + low, count, 1);
-  }
-  std::sort(bridges.begin(), bridges.end());
-  return polygon;
-}
-
-/// Flips inner edges that the mesh has already to where nothing joins their opposite vertices yet. False if some are left, or an
-/// edge occurs twice.
-bool without_doubles(std::vector<std::array<Index, 3>>& triangles, const std::vector<std::array<Index, 2>>& joined) {
-  std::vector<std::array<Index, 2>> edges;
-  for (const auto& t : triangles)
-    for (int k = 0; k < 3; ++k) edges.push_back({t[k], t[(k + 1) % 3]});
-  std::sort(edges.begin(), edges.end());
-  if (std::adjacent_find(edges.begin(), edges.end()) != edges.end()) return false;
-  const auto has = [](const auto& sorted, Index a, Index b) {
-    return std::binary_search(sorted.begin(), sorted.end(), std::array<Index, 2>{a, b});
-  };
-  std::vector<std::array<Index, 2>> doubled;
-  for (const auto& pair : joined)
-    if (has(edges, pair[0], pair[1]) && has(edges, pair[1], pair[0])) doubled.push_back(pair);
-  if (doubled.empty()) return true;
-  std::map<std::array<Index, 2>, std::size_t> triangle;  // of a directed edge
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) triangle[{triangles[t][k], triangles[t][(k + 1) % 3]}] = t;
-  const auto opposite = [](const std::array<Index, 3>& t, Index a, Index b) {
-    return t[0] != a && t[0] != b ? t[0] : t[1] != a && t[1] != b ? t[1] : t[2];
-  };
-  const auto put = [&](std::size_t t, Index a, Index b, Index c) {
-    triangles[t] = {a, b, c};
-    triangle[{a, b}] = triangle[{b, c}] = triangle[{c, a}] = t;
-  };
-  for (bool changed = true; changed && !doubled.empty();) {
-    changed = false;
-    for (auto pair = doubled.begin(); pair != doubled.end();) {
-      const auto [a, b] = *pair;
-      const std::size_t left = triangle.at({a, b}), right = triangle.at({b, a});
-      const Index c = opposite(triangles[left], a, b), d = opposite(triangles[right], a, b);
-      if (c == d || triangle.count({c, d}) || triangle.count({d, c}) || has(joined, std::min(c, d), std::max(c, d))) {
-        ++pair;
-        continue;
-      }
-      triangle.erase({a, b});
-      triangle.erase({b, a});
-      put(left, c, d, b);
-      put(right, d, c, a);
-      pair = doubled.erase(pair);
-      changed = true;
-    }
-  }
-  return doubled.empty();
-}
-
-/// The faces beyond the edges of a polygon.
-std::vector<AdjacentFace> beyond_of(const Polygon& polygon) {
-  std::vector<AdjacentFace> beyond;
-  const Index n = polygon.size();
-  for (Index k = 0; k < n; ++k) beyond.push_back({polygon.vertices[k], polygon.vertices[(k + 1) % n], polygon.normals[k]});
-  return beyond;
-}
-
 /// What a filler makes, and where that goes through itself.
 struct Try {
   Triangles triangles;
   std::vector<Crossing> crossings;
 };
 
-Try tried(const PointsRef& points, const Polygon& polygon, Filler& filler) {
+Try tried(const PointsRef& points, const RimPolygon& polygon, Filler& filler) {
   Try result;
   filler.fill(polygon, result.triangles);
   result.crossings = find_crossings(points, Points(0, 3), faces_of(result.triangles), max_crossings);
@@ -573,7 +438,7 @@ Try tried(const PointsRef& points, const Polygon& polygon, Filler& filler) {
 }
 
 /// The first of some tries that does not cross itself, each without the chords that cross something in those before.
-std::optional<Try> next_without_crossings(const PointsRef& points, const Polygon& polygon, int rounds, Filler& filler) {
+std::optional<Try> next_without_crossings(const PointsRef& points, const RimPolygon& polygon, int rounds, Filler& filler) {
   for (int round = 0; round < rounds; ++round) {
     Try made = tried(points, polygon, filler);
     if (made.crossings.empty()) return made;
@@ -584,7 +449,7 @@ std::optional<Try> next_without_crossings(const PointsRef& points, const Polygon
 
 /// The first triangulation that does not cross itself and folds no more than what crosses, else the one of these that folds least; what
 /// crosses where every one that is tried does.
-RoughFill without_crossings(const PointsRef& points, const Polygon& polygon, Filler filler) {
+RoughFill without_crossings(const PointsRef& points, const RimPolygon& polygon, Filler filler) {
   if (polygon.size() > largest_tried) {
     RoughFill untried;
     filler.fill(polygon, untried.triangles);
@@ -592,9 +457,7 @@ RoughFill without_crossings(const PointsRef& points, const Polygon& polygon, Fil
   }
   Try first = tried(points, polygon, filler);
   if (first.crossings.empty()) return {std::move(first.triangles), {}};
-  const auto folds = [&](const Try& each) {
-    return count_folded_edges(points, Points(0, 3), faces_of(each.triangles), beyond_of(polygon));
-  };
+  const auto folds = [&](const Try& each) { return count_folded_edges(points, each.triangles, beyond_of(polygon)); };
   std::optional<Try> best;
   const auto seek = [&](int rounds) {
     if (best && folds(*best) <= folds(first)) return;
@@ -615,11 +478,10 @@ RoughFill without_crossings(const PointsRef& points, const Polygon& polygon, Fil
 }  // namespace
 
 RoughFill min_weight_triangulation(const PointsRef& points, const RimSurroundings& rim) {
-  check(points, rim);
-  std::vector<std::array<Index, 2>> joined, bridges;
-  for (const auto& [a, b] : rim.joined) joined.push_back(ordered(a, b));
+  std::vector<EdgeKey> joined, bridges;
+  for (const auto& [a, b] : rim.joined) joined.push_back(edge_key(a, b));
   std::sort(joined.begin(), joined.end());
-  const Polygon polygon = one_polygon(points, rim, joined, bridges);
+  const RimPolygon polygon = one_polygon(points, rim, joined, bridges);
   RoughFill result = without_crossings(points, polygon, Filler(points, joined, bridges));
   joined.erase(std::unique(joined.begin(), joined.end()), joined.end());
   result.doubles_edges = !without_doubles(result.triangles, joined);

@@ -1,7 +1,6 @@
 // The path of cages: holes whose surroundings overlap are fitted together.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -22,9 +21,5 @@ void fill_all_with_cages(const FillContext& context, const std::vector<std::opti
 /// The rim of a cage's hole: of the corners that are given, else of three where they are found, else of those that its quads make or
 /// that are clear.
 SidedRim cage_rim_of(const FillContext& context, const std::optional<std::vector<Index>>& rim, const Corners& corners);
-
-/// Whether faces next to the hole are many times as long as its rim's edges, or its sides have an edge each, of which one split leaves
-/// no even way from side to side.
-bool may_fold_by_splitting(const FillContext& context, const SidedRim& hole);
 
 }  // namespace tripatch

@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "tripatch/math/linear.h"
+#include "tripatch/math/dense_kernels.h"
 #include "tripatch/types.h"
 
 namespace tripatch {

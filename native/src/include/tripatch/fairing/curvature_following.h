@@ -7,7 +7,7 @@
 
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/quadratic.h"
-#include "tripatch/math/linear.h"
+#include "tripatch/math/dense_kernels.h"
 
 namespace tripatch {
 

@@ -10,7 +10,7 @@
 #include "tripatch/fairing/curvature_variation.h"
 #include "tripatch/fairing/fairing.h"
 #include "tripatch/fairing/quadratic.h"
-#include "tripatch/math/linear.h"
+#include "tripatch/math/dense_kernels.h"
 
 namespace tripatch {
 

@@ -3,14 +3,13 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cmath>
 #include <span>
 #include <vector>
 
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fairing/energy_problem.h"
-#include "tripatch/math/linear.h"
+#include "tripatch/math/dense_kernels.h"
 #include "tripatch/math/piecewise_polynomial.h"
 #include "tripatch/patch/bezier_triangle.h"
 #include "tripatch/patch/side_weights.h"

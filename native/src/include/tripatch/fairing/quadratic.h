@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 
-#include "tripatch/math/linear.h"
+#include "tripatch/math/dense_kernels.h"
 
 namespace tripatch {
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tripatch/mesh/connectivity.h"
+#include "tripatch/mesh/triangles.h"
 #include "tripatch/report/edges_by_vertex.h"
 
 namespace tripatch {
@@ -55,6 +56,8 @@ Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, cons
                          std::span<const AdjacentFace> beyond, EdgesByVertex& edges);
 Index count_folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
                          std::span<const AdjacentFace> beyond = {});
+/// The same of triangles by row of all points that they use.
+Index count_folded_edges(const PointsRef& points, const Triangles& triangles, std::span<const AdjacentFace> beyond);
 /// Edges so counted, both vertices of each, of faces that measure_faces has measured.
 std::vector<std::array<Index, 2>> folded_edges(const PointsRef& vertices, const PointsRef& added, const Faces& faces,
                                                std::span<const AdjacentFace> beyond);

@@ -1,7 +1,6 @@
 // The surroundings of a hole as a disc with the hole in it: what is laid into the plane with the fill.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -53,5 +52,14 @@ Disc disc_around(const Mesh& mesh, const Connectivity& around, const std::vector
 /// The same with its points on long edges.
 Disc disc_to_sample(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops, double reach,
                     int max_rings);
+
+/// Samples of the field: so many and the rim's. The time grows with their cube; with 240 at least the distances of 220 holes from
+/// what was there are within 2% of those with 160, but for known surfaces without noise, where they are a hundredth of a baseline's.
+constexpr Index min_samples = 160, max_samples = 600;
+constexpr Index more_than_rim = 100;
+/// The best spread samples, rows of the disc's vertices and of the points on its edges: all of the rim if there are not too many, then
+/// always the one that is farthest from those taken, over its own distance from the rim. Were that in edges where the rim has more of them
+/// than samples, all others would be of the rim too, and the slope next to it unseen. In an order of which every k-th is spread over all.
+std::vector<Index> spread_samples(const Disc& disc, double edge, Index more = more_than_rim, Index most = max_samples);
 
 }  // namespace tripatch

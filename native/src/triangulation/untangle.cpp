@@ -1,10 +1,12 @@
-#include "tripatch/spline/untangle.h"
+#include "tripatch/triangulation/untangle.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <tuple>
+
+#include "tripatch/mesh/triangles.h"
 
 namespace tripatch {
 namespace {
@@ -36,10 +38,7 @@ std::vector<Joint> sorted_joints(const std::vector<std::array<Index, 3>>& triang
 std::vector<std::array<Index, 2>> folded_pairs(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
                                                const std::vector<Joint>& edges, std::span<const AdjacentFace> beyond) {
   const double cosine = std::cos(folded_degrees * std::numbers::pi / 180);
-  const auto normal = [&](Index t) -> Vec3 {
-    const Vec3 a = points.row(triangles[t][0]), b = points.row(triangles[t][1]), c = points.row(triangles[t][2]);
-    return (b - a).cross(c - a).stableNormalized();
-  };
+  const auto normal = [&](Index t) -> Vec3 { return triangle_normal(points, triangles[t]).stableNormalized(); };
   std::vector<std::array<Index, 2>> out;
   for (std::size_t k = 0; k + 1 < edges.size(); ++k)
     if (edges[k].same(edges[k + 1]) && normal(edges[k].triangle).dot(normal(edges[k + 1].triangle)) < cosine)
@@ -151,10 +150,7 @@ private:
     static const double cosine = std::cos(folded_degrees * std::numbers::pi / 180);
     return a.dot(b) < cosine * a.norm() * b.norm();
   }
-  Vec3 normal(const std::array<Index, 3>& t) const {
-    const Vec3 a = points_.row(t[0]), b = points_.row(t[1]), c = points_.row(t[2]);
-    return (b - a).cross(c - a);
-  }
+  Vec3 normal(const std::array<Index, 3>& t) const { return triangle_normal(points_, t); }
   std::vector<Joint>::const_iterator first_of(Index u, Index v) const {
     const Joint wanted{std::min(u, v), std::max(u, v), -1};
     const auto found = std::lower_bound(edges_.begin(), edges_.end(), wanted);
