@@ -35,35 +35,17 @@ public:
 
 #ifdef TRIPATCH_PACKS
   template <int N>
-  TRIPATCH_PACKED PackPoint<N> at(const PackBarycentric<N>& b) const {
-    return blended(b);
-  }
-  template <int N>
-  TRIPATCH_WIDE PackPoint<N, WidePack> at(const PackBarycentric<N, WidePack>& b) const {
-    return blended(b);
+  TRIPATCH_PACKED PackPoint<N> of_jets(const PackBarycentric<N>& b) const {
+    const PackRays<N, Pack> rays(b);
+    PackJet<N> w[3];
+    side_weights<2>(b, rays, w);
+    PackPoint<N> p = {};
+    for (int i = 0; i < 3; ++i) p.add(w[i], rays_[i].at(rays.s[i], rays.t[i]));
+    return p;
   }
 #endif
 
 private:
-#ifdef TRIPATCH_PACKS
-  template <int N, class P>
-  TRIPATCH_ANY_PACK PackPoint<N, P> blended(const PackBarycentric<N, P>& b) const {
-    if constexpr (N <= highest_written_out) {
-      return point_of_plane(*this, b);
-    } else {
-      const PackRays<N, P> rays(b);
-      PackJet<N, P> w[3];
-      side_weights<2>(b, rays, w);
-      PackPoint<N, P> p = {};
-      for (int i = 0; i < 3; ++i) {
-        const PackPoint<N, P> ray = rays_[i].at(rays.s[i], rays.t[i]);
-        for (int x = 0; x < 3; ++x) p.x[x] += w[i] * ray.x[x];
-      }
-      return p;
-    }
-  }
-#endif
-
   std::array<VertexRay, 3> rays_;
 };
 

@@ -121,53 +121,27 @@ public:
 
 #ifdef TRIPATCH_PACKS
   template <int N>
-  TRIPATCH_PACKED PackPoint<N> at(const PackBarycentric<N>& b) const {
-    return whole(b);
-  }
-  template <int N>
-  TRIPATCH_WIDE PackPoint<N, WidePack> at(const PackBarycentric<N, WidePack>& b) const {
-    return whole(b);
-  }
-#endif
-
-private:
-#ifdef TRIPATCH_PACKS
-  template <int N, class P>
-  TRIPATCH_ANY_PACK PackPoint<N, P> whole(const PackBarycentric<N, P>& b) const {
-    if constexpr (N <= highest_written_out) {
-      return point_of_plane(*this, b);
-    } else {
-      return of_jets(b);
-    }
-  }
-
-  template <int N, class P>
-  TRIPATCH_ANY_PACK PackPoint<N, P> of_jets(const PackBarycentric<N, P>& b) const {
-    P inner[jet_size(N)][3];
+  TRIPATCH_PACKED PackPoint<N> of_jets(const PackBarycentric<N>& b) const {
+    Pack inner[jet_size(N)][3];
     inside<N>(b[0].c[0], b[1].c[0], inner);
-    PackPoint<N, P> p;
+    PackPoint<N> p;
     for (int k = 0; k < jet_size(N); ++k)
       for (int x = 0; x < 3; ++x) p.x[x].c[k] = inner[k][x];
-    const PackJet<N, P> over = square(27.0 * (b[0] * b[1] * b[2]));
-    const PackRays<N, P> rays(b);
-    PackJet<N, P> weights[3], cubic_weights[3];
+    const PackJet<N> over = square(27.0 * (b[0] * b[1] * b[2]));
+    const PackRays<N, Pack> rays(b);
+    PackJet<N> weights[3], cubic_weights[3];
     side_weights<2>(b, rays, weights);
     side_weights<3>(b, rays, cubic_weights);
     for (int x = 0; x < 3; ++x) p.x[x] = over * p.x[x];
     for (int i = 0; i < 3; ++i) {
-      add(-1.0 * (weights[i] * (square(rays.s[i]) * b[i])), packed_slopes_[i].at(rays.t[i]), p);
-      if (!second_cross_[i].empty()) add(0.5 * (square(b[i]) * cubic_weights[i]), packed_second_cross_[i].at(rays.t[i]), p);
+      p.add(-1.0 * (weights[i] * (square(rays.s[i]) * b[i])), packed_slopes_[i].at(rays.t[i]));
+      if (!second_cross_[i].empty()) p.add(0.5 * (square(b[i]) * cubic_weights[i]), packed_second_cross_[i].at(rays.t[i]));
     }
     return p;
   }
-
-  template <int N, class P>
-  TRIPATCH_ANY_PACK static void add(const PackJet<N, P>& kernel, const PackPoint<N, P>& field, PackPoint<N, P>& sum) {
-    for (int x = 0; x < 3; ++x) sum.x[x] += kernel * field.x[x];
-  }
-
 #endif
 
+private:
   /// What the bubble multiplies: its Taylor coefficients.
   template <int N, class P>
   TRIPATCH_ANY_PACK void inside(const P& b0, const P& b1, P (&out)[jet_size(N)][3]) const {

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -49,17 +48,7 @@ struct PackJet {
     for (int k = 0; k < size; ++k) r.c[k] = s * a.c[k];
     return r;
   }
-  TRIPATCH_ANY_PACK friend PackJet operator*(const PackJet& a, const PackJet& b)
-    requires(N <= 1)
-  {
-    PackJet r;
-    r.c[0] = a.c[0] * b.c[0];
-    for (int k = 1; k < size; ++k) r.c[k] = a.c[0] * b.c[k] + a.c[k] * b.c[0];
-    return r;
-  }
-  TRIPATCH_PACKED friend PackJet operator*(const PackJet& a, const PackJet& b)
-    requires(N > 1)
-  {
+  TRIPATCH_PACKED friend PackJet operator*(const PackJet& a, const PackJet& b) {
     PackJet r = {};
     add_products(r, a, b, std::make_index_sequence<Jet<N>::products.size()>());
     return r;
@@ -75,6 +64,10 @@ private:
 template <int N, class P = Pack>
 struct PackPoint {
   PackJet<N, P> x[3];
+
+  TRIPATCH_ANY_PACK void add(const PackJet<N, P>& factor, const PackPoint& o) {
+    for (int k = 0; k < 3; ++k) x[k] += factor * o.x[k];
+  }
 };
 
 template <int N, class P>
@@ -85,19 +78,15 @@ TRIPATCH_ANY_PACK PackJet<N, P> square(const PackJet<N, P>& a) {
 /// As of jet.h; taylor: N + 1 coefficients.
 template <int N, class P>
 TRIPATCH_ANY_PACK PackJet<N, P> compose(const P* taylor, std::ptrdiff_t stride, const PackJet<N, P>& t) {
-  if constexpr (N == 0) {
-    return {{taylor[0]}};
-  } else {
-    PackJet<N, P> h = t;
-    h.c[0] = P{};
-    PackJet<N, P> r = taylor[N * stride] * h;
-    for (int k = N - 1; k > 0; --k) {
-      r.c[0] += taylor[k * stride];
-      r = r * h;
-    }
-    r.c[0] += taylor[0];
-    return r;
+  PackJet<N, P> h = t;
+  h.c[0] = P{};
+  PackJet<N, P> r = taylor[N * stride] * h;
+  for (int k = N - 1; k > 0; --k) {
+    r.c[0] += taylor[k * stride];
+    r = r * h;
   }
+  r.c[0] += taylor[0];
+  return r;
 }
 
 template <int N, class P>
@@ -114,18 +103,16 @@ TRIPATCH_ANY_PACK PackPoint<N, P> compose(const P (&taylor)[jet_size(N)][3], con
   PackJet<N, P> power[jet_size(N)];
   PackPoint<N, P> r = {};
   for (int x = 0; x < 3; ++x) r.x[x].c[0] = taylor[0][x];
-  if constexpr (N > 0) {
-    power[1] = s;
-    power[2] = t;
-    power[1].c[0] = power[2].c[0] = P{};
-    for (int i = 0; i <= N; ++i)
-      for (int j = 0; i + j <= N; ++j) {
-        const int at = jet_index(i, j);
-        if (i + j > 1) power[at] = i > 0 ? power[1] * power[jet_index(i - 1, j)] : power[2] * power[jet_index(0, j - 1)];
-        if (at == 0) continue;
-        for (int x = 0; x < 3; ++x) r.x[x] += taylor[at][x] * power[at];
-      }
-  }
+  power[1] = s;
+  power[2] = t;
+  power[1].c[0] = power[2].c[0] = P{};
+  for (int i = 0; i <= N; ++i)
+    for (int j = 0; i + j <= N; ++j) {
+      const int at = jet_index(i, j);
+      if (i + j > 1) power[at] = i > 0 ? power[1] * power[jet_index(i - 1, j)] : power[2] * power[jet_index(0, j - 1)];
+      if (at == 0) continue;
+      for (int x = 0; x < 3; ++x) r.x[x] += taylor[at][x] * power[at];
+    }
   return r;
 }
 
@@ -337,48 +324,6 @@ private:
   std::vector<double> middles_, ends_;  // of the pieces; the last ends nowhere
   std::vector<double> coefficients_;    // of each power four numbers, the last 0: whole registers are read
   std::vector<std::int32_t> lookup_;    // first candidate piece for floor(t * lookup size)
-};
-
-/// A JetSurface whose formula Derived has for four points too:
-///   `template <int N> PackPoint<N> at(const PackBarycentric<N>& b) const;` (under TRIPATCH_PACKS, N up to highest_packed)
-/// and for eight (WidePack, N up to highest_wide).
-template <class Derived>
-class PackedSurface : public JetSurface<Derived> {
-public:
-  static constexpr int highest_packed = 3;  ///< order that fairing asks for
-  static constexpr int highest_wide = 1;    ///< and those of a fill's positions and normals
-
-#ifdef TRIPATCH_PACKS
-private:
-  void evaluate_regular(const double* b, Index n, int order, double* out) const override {
-    static const bool packs = __builtin_cpu_supports("avx2"), wide = __builtin_cpu_supports("x86-64-v4");
-    if (!packs || n < lanes || order < 0 || order > highest_packed)
-      return JetSurface<Derived>::evaluate_regular(b, n, order, out);
-    if (wide && order <= highest_wide) return with_order<0, highest_wide>(order, [&](auto N) { run_wide<N.value>(b, n, out); });
-    with_order<0, highest_packed>(order, [&](auto N) { run_packed<N.value>(b, n, out); });
-  }
-
-  template <int N>
-  TRIPATCH_PACKED void run_packed(const double* b, Index n, double* out) const {
-    run<N, Pack>(b, n, out);
-  }
-  template <int N>
-  TRIPATCH_WIDE void run_wide(const double* b, Index n, double* out) const {
-    run<N, WidePack>(b, n, out);
-  }
-
-  template <int N, class P>
-  TRIPATCH_ANY_PACK void run(const double* b, Index n, double* out) const {
-    constexpr int size = jet_size(N), lanes = width_of<P>;
-    for (Index first = 0; first < n; first += lanes, b += 3 * lanes, out += 3 * size * lanes) {
-      const Index count = std::min<Index>(lanes, n - first);
-      const PackPoint<N, P> p = static_cast<const Derived*>(this)->template at<N>(PackBarycentric<N, P>(b, count));
-      for (Index lane = 0; lane < count; ++lane)
-        for (int k = 0; k < size; ++k)
-          for (int x = 0; x < 3; ++x) out[(lane * size + k) * 3 + x] = p.x[x].c[k][lane];
-    }
-  }
-#endif
 };
 
 }  // namespace tripatch

@@ -127,4 +127,51 @@ TRIPATCH_ANY_PACK PackPoint<N, P> point_of_plane(const Derived& surface, const P
 }
 #endif
 
+/// A JetSurface whose formula Derived has for several points too: written out as `plane`, and of jets
+///   `template <int N> PackPoint<N> of_jets(const PackBarycentric<N>& b) const;` (under TRIPATCH_PACKS, N up to highest_packed).
+template <class Derived>
+class PackedSurface : public JetSurface<Derived> {
+public:
+  static constexpr int highest_packed = 3;  ///< order that fairing asks for
+
+#ifdef TRIPATCH_PACKS
+private:
+  void evaluate_regular(const double* b, Index n, int order, double* out) const override {
+    static const bool packs = __builtin_cpu_supports("avx2"), wide = __builtin_cpu_supports("x86-64-v4");
+    if (!packs || n < lanes || order < 0 || order > highest_packed)
+      return JetSurface<Derived>::evaluate_regular(b, n, order, out);
+    if (wide && order <= highest_written_out)
+      return with_order<0, highest_written_out>(order, [&](auto N) { run_wide<N.value>(b, n, out); });
+    with_order<0, highest_packed>(order, [&](auto N) { run_packed<N.value>(b, n, out); });
+  }
+
+  template <int N>
+  TRIPATCH_PACKED void run_packed(const double* b, Index n, double* out) const {
+    run<N, Pack>(b, n, out);
+  }
+  template <int N>
+  TRIPATCH_WIDE void run_wide(const double* b, Index n, double* out) const {
+    run<N, WidePack>(b, n, out);
+  }
+
+  template <int N, class P>
+  TRIPATCH_ANY_PACK void run(const double* b, Index n, double* out) const {
+    constexpr int size = jet_size(N), lanes = width_of<P>;
+    const Derived& derived = static_cast<const Derived&>(*this);
+    for (Index first = 0; first < n; first += lanes, b += 3 * lanes, out += 3 * size * lanes) {
+      const Index count = std::min<Index>(lanes, n - first);
+      const PackBarycentric<N, P> at(b, count);
+      PackPoint<N, P> p;
+      if constexpr (N <= highest_written_out)
+        p = point_of_plane(derived, at);
+      else
+        p = derived.of_jets(at);
+      for (Index lane = 0; lane < count; ++lane)
+        for (int k = 0; k < size; ++k)
+          for (int x = 0; x < 3; ++x) out[(lane * size + k) * 3 + x] = p.x[x].c[k][lane];
+    }
+  }
+#endif
+};
+
 }  // namespace tripatch

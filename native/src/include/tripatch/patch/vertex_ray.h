@@ -73,8 +73,8 @@ public:
 
 #ifdef TRIPATCH_PACKS
   /// The same of several points, from their places on the rays: fraction and parameter of the side.
-  template <int N, class P>
-  TRIPATCH_ANY_PACK PackPoint<N, P> at(const PackJet<N, P>& s, const PackJet<N, P>& t) const {
+  template <int N>
+  TRIPATCH_PACKED PackPoint<N> at(const PackJet<N>& s, const PackJet<N>& t) const {
     return degree_ == RayDegree::quintic ? at<N, RayDegree::quintic>(s, t)
            : degree_ == RayDegree::cubic ? at<N, RayDegree::cubic>(s, t)
                                          : at<N, RayDegree::quadratic>(s, t);
@@ -99,24 +99,15 @@ private:
 
   template <int N, RayDegree Degree>
   TRIPATCH_PACKED PackPoint<N> at(const PackJet<N>& s, const PackJet<N>& t) const {
-    return on_rays<N, Degree>(s, t);
-  }
-  template <int N, RayDegree Degree>
-  TRIPATCH_WIDE PackPoint<N, WidePack> at(const PackJet<N, WidePack>& s, const PackJet<N, WidePack>& t) const {
-    return on_rays<N, Degree>(s, t);
-  }
-
-  template <int N, RayDegree Degree, class P>
-  TRIPATCH_ANY_PACK PackPoint<N, P> on_rays(const PackJet<N, P>& s, const PackJet<N, P>& t) const {
-    const P at = t.c[0];
-    P field[N + 1][3], polar[jet_size(N)][3] = {};
+    const Pack at = t.c[0];
+    Pack field[N + 1][3], polar[jet_size(N)][3] = {};
     fill(field, corner_[i_]);
     add<N, Degree>(0, s.c[0], field, polar, 1);
     if constexpr (Degree != RayDegree::quadratic) {
       const Vec3 turned = to_previous_ - to_next_;
       for (int x = 0; x < 3; ++x) {
         field[0][x] = to_next_[x] + at * turned[x];
-        if constexpr (N > 0) field[1][x] = all_lanes_of<P>(turned[x]);
+        field[1][x] = all_lanes(turned[x]);
       }
       add<N, Degree>(1, s.c[0], field, polar, 2);
     }
@@ -124,7 +115,7 @@ private:
       taylor<N>(vertex_second_, at, field);
       add<N, Degree>(2, s.c[0], field, polar);
     }
-    const PackedField::Places<P> places = packed_c_.places(at);
+    const PackedField::Places<Pack> places = packed_c_.places(at);
     packed_c_.taylor<N>(places, field);
     add<N, Degree>(3, s.c[0], field, polar);
     packed_slope_.taylor<N>(same_pieces_ ? places : packed_slope_.places(at), field);
