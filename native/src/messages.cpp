@@ -1,7 +1,6 @@
 #include "tripatch/messages.h"
 
 #include <algorithm>
-#include <array>
 #include <sstream>
 
 namespace tripatch {

@@ -1,8 +1,6 @@
 #include "tripatch/patch_from_sides.h"
 
-#include <cmath>
 #include <optional>
-#include <string>
 
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/boundary/smoothed.h"

@@ -5,13 +5,9 @@
 #include <cmath>
 
 #include "tripatch/annulus/annulus_layout.h"
-#include "tripatch/annulus/annulus_patch.h"
 #include "tripatch/annulus/closed_side.h"
-#include "tripatch/constructions/methods.h"
-#include "tripatch/hole/rim_checks.h"
 #include "tripatch/math/canonical_start.h"
 #include "tripatch/output/doubled_edges.h"
-#include "tripatch/output/quad_cover.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/plane_patch.h"
 

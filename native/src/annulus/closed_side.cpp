@@ -8,7 +8,7 @@
 
 #include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/estimate/meridian.h"
-#include "tripatch/estimate/side_planes.h"
+#include "tripatch/estimate/vertex_fit.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/tolerant_compare.h"

@@ -1,7 +1,6 @@
 #include "tripatch/annulus/match.h"
 
 #include <Eigen/Dense>
-#include <array>
 #include <cmath>
 #include <vector>
 

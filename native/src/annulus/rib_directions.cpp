@@ -1,7 +1,6 @@
 #include "tripatch/annulus/rib_directions.h"
 
 #include <Eigen/Dense>
-#include <algorithm>
 #include <array>
 
 #include "tripatch/fairing/curvature.h"

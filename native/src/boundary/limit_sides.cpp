@@ -2,14 +2,11 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
-#include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/boundary/surroundings.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {

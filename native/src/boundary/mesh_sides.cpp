@@ -5,18 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
-#include <memory>
 #include <numbers>
-#include <optional>
-#include <string>
 #include <utility>
 
 #include "tripatch/boundary/side_curves.h"
 #include "tripatch/estimate/corner_planes.h"
 #include "tripatch/estimate/side_cylinder.h"
-#include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
-#include "tripatch/math/smoothstep.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/messages.h"
 

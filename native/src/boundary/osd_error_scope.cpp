@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "tripatch/mesh/submesh.h"
-#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {

@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"

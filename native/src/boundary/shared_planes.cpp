@@ -14,7 +14,6 @@
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
-#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {

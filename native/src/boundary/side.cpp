@@ -3,8 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <string>
 
 #include "tripatch/messages.h"
 

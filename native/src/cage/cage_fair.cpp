@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "tripatch/fairing/energy.h"
+#include "tripatch/fairing/curvature_variation.h"
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/interruption.h"
 

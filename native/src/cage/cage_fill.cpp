@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/interruption.h"

@@ -1,13 +1,11 @@
 #include "tripatch/cage/cage_fit.h"
 
 #include <algorithm>
-#include <set>
 #include <utility>
 
 #include "tripatch/boundary/limit_sides.h"
 #include "tripatch/cage/cage_fair.h"
 #include "tripatch/cage/cage_terms.h"
-#include "tripatch/cage/limit_mesh.h"
 #include "tripatch/math/interruption.h"
 
 namespace tripatch {

@@ -7,7 +7,6 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/canonical_start.h"
 #include "tripatch/polygon/follow.h"
-#include "tripatch/quads/grown_quads.h"
 #include "tripatch/quads/spread.h"
 
 namespace tripatch {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <string>
 #include <vector>
 
 #include "tripatch/fill/any_rim_fill.h"
@@ -12,7 +11,6 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/plane.h"
 #include "tripatch/messages.h"
-#include "tripatch/output/polygon_cover.h"
 #include "tripatch/quads/quad_smoothing.h"
 #include "tripatch/quads/spread.h"
 #include "tripatch/spline/plane_patch.h"

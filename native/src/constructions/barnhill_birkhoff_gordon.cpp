@@ -1,7 +1,5 @@
 #include "tripatch/constructions/barnhill_birkhoff_gordon.h"
 
-#include <utility>
-
 namespace tripatch {
 namespace {
 

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "tripatch/math/linear.h"
-#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <Eigen/Dense>
 #include <cmath>
-#include <string>
 
 #include "tripatch/constructions/coons_bezier.h"
 #include "tripatch/math/linear.h"

@@ -1,8 +1,5 @@
 #include "tripatch/constructions/methods.h"
 
-#include <algorithm>
-#include <vector>
-
 #include "tripatch/annulus/annulus_patch.h"
 #include "tripatch/constructions/barnhill_birkhoff_gordon.h"
 #include "tripatch/constructions/coons_bezier.h"
@@ -14,7 +11,6 @@
 #include "tripatch/constructions/szilvasi_nagy.h"
 #include "tripatch/constructions/triangular_coons.h"
 #include "tripatch/fairing/fairing.h"
-#include "tripatch/messages.h"
 #include "tripatch/polygon/domain.h"
 
 namespace tripatch {

@@ -1,9 +1,6 @@
 #include "tripatch/estimate/stencils.h"
 
 #include <Eigen/Dense>
-#include <algorithm>
-#include <cmath>
-#include <utility>
 
 #include "tripatch/math/smoothstep.h"
 

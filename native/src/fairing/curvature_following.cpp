@@ -3,8 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tripatch/fairing/energy.h"
-#include "tripatch/math/linear.h"
+#include "tripatch/fairing/curvature_variation.h"
 
 namespace tripatch {
 namespace {

@@ -6,7 +6,6 @@
 #include <numbers>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "tripatch/fairing/candidates.h"
 #include "tripatch/fairing/energy.h"

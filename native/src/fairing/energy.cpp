@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tripatch/fairing/curvature_variation.h"
-#include "tripatch/math/quadrature.h"
-
 namespace tripatch {
 
 double soft_minimum(double variation, double quadric) {

@@ -3,7 +3,8 @@
 #include <cmath>
 #include <memory>
 
-#include "tripatch/fairing/energy.h"
+#include "tripatch/fairing/curvature_variation.h"
+#include "tripatch/math/linear.h"
 #include "tripatch/math/parallel.h"
 
 namespace tripatch {

@@ -1,17 +1,12 @@
 #include "tripatch/fairing/fairing.h"
 
-#include <algorithm>
-#include <cmath>
 #include <span>
-#include <utility>
 
 #include "tripatch/fairing/candidates.h"
 #include "tripatch/fairing/center.h"
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fairing/fairing_problem.h"
 #include "tripatch/fairing/fold_removal.h"
-#include "tripatch/math/linear.h"
-#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {

@@ -2,10 +2,8 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
-#include "tripatch/fairing/energy.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/parallel.h"
 

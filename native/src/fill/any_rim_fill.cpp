@@ -17,7 +17,6 @@
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/messages.h"
-#include "tripatch/output/polygon_cover.h"
 #include "tripatch/output/shaped.h"
 #include "tripatch/polygon/domain.h"
 #include "tripatch/quads/quad_smoothing.h"

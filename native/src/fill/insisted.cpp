@@ -1,7 +1,6 @@
 #include "tripatch/fill/insisted.h"
 
 #include <algorithm>
-#include <string>
 
 #include "tripatch/constructions/methods.h"
 #include "tripatch/fill/any_rim_fill.h"

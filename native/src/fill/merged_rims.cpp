@@ -1,7 +1,6 @@
 #include "tripatch/fill/merged_rims.h"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 #include "tripatch/messages.h"

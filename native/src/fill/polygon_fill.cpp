@@ -3,16 +3,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <numeric>
 #include <optional>
 
-#include "tripatch/annulus/closed_side.h"
-#include "tripatch/boundary/mesh_sides.h"
 #include "tripatch/constructions/methods.h"
-#include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/canonical_start.h"
-#include "tripatch/math/linear.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/triangles.h"
 #include "tripatch/messages.h"
@@ -23,9 +17,7 @@
 #include "tripatch/patch/moved_surface.h"
 #include "tripatch/polygon/follow.h"
 #include "tripatch/polygon/of_three.h"
-#include "tripatch/polygon/round.h"
 #include "tripatch/report/folded_triangles.h"
-#include "tripatch/spline/plane_fill.h"
 
 namespace tripatch {
 

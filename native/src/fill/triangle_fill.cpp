@@ -4,7 +4,6 @@
 #include <numeric>
 #include <optional>
 
-#include "tripatch/boundary/surroundings.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/fill/any_rim_fill.h"
 #include "tripatch/fill/polygon_fill.h"

@@ -1,6 +1,5 @@
 #include "tripatch/grid/mixed_differences.h"
 
-#include <array>
 #include <optional>
 
 namespace tripatch {

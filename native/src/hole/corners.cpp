@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <string>
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"

@@ -1,7 +1,6 @@
 #include "tripatch/hole/hole.h"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 #include "tripatch/hole/corners.h"

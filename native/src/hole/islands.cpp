@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "tripatch/math/box_tree.h"
-#include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
 namespace {

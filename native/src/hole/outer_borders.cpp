@@ -1,11 +1,8 @@
 #include "tripatch/hole/outer_borders.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <numeric>
-#include <string>
-#include <utility>
 
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"

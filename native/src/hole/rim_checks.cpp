@@ -4,10 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <string>
 #include <utility>
-
-#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {

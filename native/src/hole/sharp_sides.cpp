@@ -7,13 +7,11 @@
 #include <numeric>
 #include <optional>
 #include <queue>
-#include <string>
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/vertex_normals.h"
-#include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {

@@ -2,7 +2,6 @@
 // rows are subtracted together: each place is read once for all of them, and takes them in their order.
 #include "tripatch/math/sparse_ldlt.h"
 
-#include <algorithm>
 #include <array>
 #include <vector>
 

@@ -1,7 +1,6 @@
 #include "tripatch/output/attribute_weights.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <string>

@@ -1,6 +1,5 @@
 #include "tripatch/output/cover.h"
 
-#include <algorithm>
 #include <numeric>
 #include <tuple>
 #include <utility>

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
 

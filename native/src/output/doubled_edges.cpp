@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <compare>
-#include <utility>
 
 namespace tripatch {
 namespace {

@@ -7,7 +7,6 @@
 
 #include "tripatch/estimate/corner_planes.h"
 #include "tripatch/math/angle.h"
-#include "tripatch/patch/moved_surface.h"
 #include "tripatch/spline/hermite_correction.h"
 #include "tripatch/spline/plane_patch.h"
 

@@ -6,8 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "tripatch/messages.h"
-
 namespace tripatch {
 namespace {
 

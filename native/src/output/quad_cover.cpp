@@ -1,7 +1,5 @@
 #include "tripatch/output/quad_cover.h"
 
-#include <algorithm>
-
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/messages.h"
 #include "tripatch/quads/quad_layout.h"

@@ -3,8 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
-#include <utility>
 
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/tolerant_compare.h"

@@ -9,7 +9,6 @@
 #include <numbers>
 #include <optional>
 
-#include "tripatch/constructions/methods.h"
 #include "tripatch/math/plane.h"
 #include "tripatch/mesh/vertex_normals.h"
 #include "tripatch/messages.h"

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "tripatch/boundary/ribbon.h"
-#include "tripatch/boundary/side.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/messages.h"

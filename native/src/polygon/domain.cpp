@@ -6,7 +6,6 @@
 #include <string>
 
 #include "tripatch/math/linear.h"
-#include "tripatch/math/piecewise_polynomial.h"
 #include "tripatch/messages.h"
 #include "tripatch/types.h"
 

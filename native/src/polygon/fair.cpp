@@ -4,12 +4,10 @@
 #include <cmath>
 
 #include "tripatch/fairing/candidates.h"
-#include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fairing/folds.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/messages.h"
 #include "tripatch/patch/through.h"
 #include "tripatch/polygon/problem.h"
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <string>
 
 #include "tripatch/boundary/side.h"
 #include "tripatch/fairing/curvature.h"

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "tripatch/math/jet.h"
-#include "tripatch/polygon/surface.h"
 
 namespace tripatch {
 

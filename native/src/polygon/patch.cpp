@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 
 #include "tripatch/boundary/smoothed.h"
 #include "tripatch/math/angle.h"
-#include "tripatch/math/linear.h"
 #include "tripatch/math/lru_cache.h"
-#include "tripatch/messages.h"
 #include "tripatch/patch/seam.h"
 #include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/of_three.h"
-#include "tripatch/polygon/space.h"
 
 namespace tripatch {
 namespace {

@@ -2,13 +2,9 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <numbers>
 
-#include "tripatch/fairing/energy.h"
 #include "tripatch/fairing/fairing_problem.h"
-#include "tripatch/math/linear.h"
 #include "tripatch/patch/side_weights.h"
 
 namespace tripatch {

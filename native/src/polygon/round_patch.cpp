@@ -6,7 +6,6 @@
 #include "tripatch/fairing/candidates.h"
 #include "tripatch/fairing/folds.h"
 #include "tripatch/math/angle.h"
-#include "tripatch/math/linear.h"
 #include "tripatch/messages.h"
 #include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/round_problem.h"

@@ -7,7 +7,6 @@
 #include <mutex>
 #include <numbers>
 
-#include "tripatch/fairing/energy.h"
 #include "tripatch/fairing/fairing_problem.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/quadrature.h"

@@ -1,6 +1,5 @@
 #include "tripatch/polygon/surface.h"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>

@@ -2,11 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
-#include <optional>
-#include <vector>
 
 #include "tripatch/math/interruption.h"
 #include "tripatch/report/folded_triangles.h"

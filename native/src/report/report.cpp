@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "tripatch/math/angle.h"
 #include "tripatch/math/tolerant_compare.h"
-#include "tripatch/messages.h"
 #include "tripatch/patch/seam.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <ranges>
 
 #include "tripatch/math/decompositions.h"
-#include "tripatch/math/linear.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {

@@ -1,7 +1,6 @@
 #include "tripatch/triangulation/plane_triangles.h"
 
 #include <Eigen/Geometry>
-#include <utility>
 
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/triangulation/ear_clipping.h"

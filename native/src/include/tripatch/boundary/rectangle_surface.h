@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <string>
 
 #include "tripatch/boundary/side.h"
 #include "tripatch/messages.h"

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <vector>
 
 #include "tripatch/boundary/side.h"
 #include "tripatch/estimate/side_draft.h"

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Sparse>
-#include <span>
 #include <vector>
 
 #include "tripatch/math/sparse_ldlt.h"

@@ -5,8 +5,6 @@
 
 #include <array>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/messages.h"

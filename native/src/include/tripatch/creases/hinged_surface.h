@@ -2,7 +2,6 @@
 // the ends of their crease fall on each other.
 #pragma once
 
-#include <memory>
 #include <vector>
 
 #include "tripatch/math/plane.h"

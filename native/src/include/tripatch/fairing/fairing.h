@@ -8,8 +8,6 @@
 
 #include <array>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/choices.h"

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "tripatch/fairing/curvature_following.h"

@@ -1,7 +1,6 @@
 // A part of a mesh with numbers of its own, made in time and memory by the part, whatever the size of the mesh.
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <vector>
 

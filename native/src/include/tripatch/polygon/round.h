@@ -7,7 +7,6 @@
 // revolution.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "tripatch/polygon/patch.h"

@@ -9,7 +9,6 @@
 
 #include <memory>
 #include <optional>
-#include <string>
 
 #include "tripatch/mesh/connectivity.h"
 #include "tripatch/messages.h"
