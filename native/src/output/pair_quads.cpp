@@ -19,9 +19,7 @@ struct TrianglePair {
 
 using Edges = std::vector<std::array<Index, 2>>;  // sorted, each from its lower end
 
-bool contains(const Edges& edges, Index a, Index b) {
-  return std::binary_search(edges.begin(), edges.end(), edge_key(a, b));
-}
+bool contains(const Edges& edges, Index a, Index b) { return std::binary_search(edges.begin(), edges.end(), edge_key(a, b)); }
 
 /// Infinite beyond the thresholds. The quad is (c, a, d, b), its diagonal a-b. stay: edges whose ends do not move.
 double error_of(const PointsRef& points, const std::array<Index, 4>& quad, const PairQuadsOptions& options, const Edges& stay) {
