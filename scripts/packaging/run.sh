@@ -15,9 +15,10 @@ windows_python() {
   "$ENVIRONMENTS/packaging/bin/python" scripts/packaging/windows_python.py "$WINDOWS" numpy==1.26.4 $TEST_PACKAGES
 }
 
-# windows ARGUMENT...: runs it.
+# windows ARGUMENT...: runs it. Without wine's debugger, which a program that crashes starts: with it comes a desktop that keeps standard
+# output open for ever.
 windows() {
-  WINEPREFIX=$BUILD/wine WINEDEBUG=-all PYTHONDONTWRITEBYTECODE=1 PYTHONUTF8=${PYTHONUTF8:-0} wine "$WINDOWS/python.exe" "$@"
+  WINEDLLOVERRIDES=winedbg.exe=d WINEPREFIX=$BUILD/wine WINEDEBUG=-all PYTHONDONTWRITEBYTECODE=1 PYTHONUTF8=${PYTHONUTF8:-0} wine "$WINDOWS/python.exe" "$@"
 }
 
 # arm64_python: Debian's Python 3.11 for arm64 in build/arm64, with the packages of the tests that have wheels for it.

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 import tripatch
 from shapes import cube_sphere
+from systems import WINE
 from test_cli import sphere_hole, square, unjoined, write_obj
 from test_crossings import trefoil
 from tripatch import __main__ as cli
@@ -54,6 +55,8 @@ def spheres(folder, count, suffix=".obj", first=0):
 @pytest.fixture(scope="module")
 def cluster():
     """A scheduler of Dask with two worker processes, as on another machine."""
+    if WINE:
+        pytest.skip("Dask's worker processes do not start under wine")
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, memory_limit=0, dashboard_address=None, silence_logs=50
     ) as made:

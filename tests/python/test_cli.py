@@ -7,10 +7,12 @@ import json
 import subprocess
 import sys
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 import pytest
 import tripatch
+from systems import missing_file
 from tripatch import __main__ as cli
 from tripatch import files, words
 
@@ -271,7 +273,7 @@ def test_a_fill_that_folds_is_no_success(one, tmp_path, capsys):
         (["--all", "--max-edges", "2"], "--max-edges must be 3 or more, not 2"),
         (["--all", "--corner-count", "6,2"], "--corner-count must be the smallest and the largest"),
         (["--frobnicate"], "Unknown arguments: --frobnicate"),
-        (["--report", "/none/such/r.json"], "folder /none/such does not exist"),
+        (["--report", "/none/such/r.json"], f"folder {Path('/none/such')} does not exist"),
     ],
 )
 def test_bad_usage(args, said, one, tmp_path, capsys):
@@ -284,7 +286,7 @@ def test_bad_usage(args, said, one, tmp_path, capsys):
 def test_unreadable_input(tmp_path, capsys):
     code, _, err = run(capsys, "fill", tmp_path / "none.obj", tmp_path / "out.obj")
     assert code == 2
-    assert err == f"tripatch: {tmp_path / 'none.obj'} cannot be read: No such file or directory\n"
+    assert err == f"tripatch: {tmp_path / 'none.obj'} cannot be read: {missing_file()}\n"
     (tmp_path / "bad.obj").write_text("v 1 2\n")
     code, _, err = run(capsys, "fill", tmp_path / "bad.obj", tmp_path / "out.obj")
     assert code == 2
@@ -343,7 +345,7 @@ def test_as_a_program(one, tmp_path):
     done = subprocess.run(
         [sys.executable, "-m", "tripatch", "fill", str(one), str(tmp_path / "out.obj")],
         capture_output=True,
-        encoding="utf-8",
+        text=True,
         check=False,
     )
     assert done.returncode == 0, done.stderr

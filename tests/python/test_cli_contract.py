@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 import tripatch
+from systems import missing_file
 from test_cli import borders, sphere_hole, square, write_obj
 from tripatch import __main__ as cli
 from tripatch import files, messages
@@ -233,6 +234,6 @@ def test_quiet_prints_errors_only_and_verbose_a_line_for_each_hole(one, tmp_path
 
 def test_an_input_that_is_not_there_or_has_no_suffix_is_named(tmp_path, capsys):
     (tmp_path / "mesh").write_text("v 0 0 0\n")
-    for name, said in (("-", "No such file"), (tmp_path / "none.xyz", "No such file"), (tmp_path / "mesh", "no suffix")):
+    for name, said in (("-", missing_file()), (tmp_path / "none.xyz", missing_file()), (tmp_path / "mesh", "no suffix")):
         code, out, err = run(capsys, "fill", name, "-o", tmp_path / "out.obj")
         assert (code, out) == (2, "") and f"{name} cannot be read" in err and said in err
