@@ -6,7 +6,7 @@ import ctypes
 import os
 import sys
 
-#: Wine instead of Windows: no symbolic links, no complex functions in its C library (wine 8); worker processes of Dask do not start.
+#: Wine, not Windows: no symbolic links, no complex functions in its C library (wine 8); worker processes of Dask do not start.
 WINE = sys.platform == "win32" and hasattr(ctypes.windll.ntdll, "wine_get_version")
 
 
