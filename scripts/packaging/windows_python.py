@@ -40,7 +40,7 @@ PROGRAM = """\
 int Py_Main(int argc, wchar_t** argv);
 int wmain(int argc, wchar_t** argv) { return Py_Main(argc, argv); }
 """
-# Windows' clock goes on 64 times a second, wine's with every look at it: Dask waits for two looks that are alike.
+# Windows' clock advances 64 times a second, wine's with every reading: Dask waits for five equal readings.
 CLOCK = """\
 import time
 
