@@ -19,7 +19,8 @@ constexpr Index some_anyway = 4;
 
 struct Joint {
   Index low, high, triangle;
-  bool operator<(const Joint& o) const { return low != o.low ? low < o.low : high < o.high; }
+  /// By the triangle too: else the order of an edge's two triangles, and so which edge is flipped, is the standard library's.
+  bool operator<(const Joint& o) const { return std::tie(low, high, triangle) < std::tie(o.low, o.high, o.triangle); }
   bool same(const Joint& o) const { return low == o.low && high == o.high; }
 };
 
