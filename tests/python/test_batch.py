@@ -538,6 +538,7 @@ def test_a_scheduler_that_goes_away_is_said(tmp_path, capsys):
     assert run(capsys, source, "--out", out, "--workers", 0, "--worst", 0)[0] == 0
 
 
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 def test_ctrl_c_ends_it_orderly(tmp_path, capsys):
     """By a cluster of its own; the same command continues from there."""
     source, out = spheres(tmp_path / "in", 80), tmp_path / "out"
@@ -632,6 +633,7 @@ def test_bad_usage(tmp_path, capsys, monkeypatch, arguments, word):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.skipif(WINE, reason="no links")
 def test_inputs_are_never_written_over(tmp_path, capsys):
     """Nor by other names that they have."""
     source = spheres(tmp_path / "in", 2)
@@ -650,6 +652,7 @@ def test_inputs_are_never_written_over(tmp_path, capsys):
     assert {path.name: path.read_bytes() for path in source.iterdir()} == before
 
 
+@pytest.mark.skipif(WINE, reason="no links")
 def test_results_are_no_inputs_by_whatever_name(tmp_path, capsys):
     source = spheres(tmp_path / "in", 2)
     (tmp_path / "link").symlink_to(source)
@@ -699,6 +702,7 @@ def test_names_that_are_no_text(tmp_path, capsys):
     assert "m\\udcff.obj: Hole through vertex" in out
 
 
+@pytest.mark.skipif(os.name != "posix", reason="no such names")
 def test_a_list_has_names_with_whatever_is_no_line_break(tmp_path, capsys):
     source = spheres(tmp_path / "in", 1)
     name = "m\x1c\x85\u2028.obj"
