@@ -162,7 +162,9 @@ def test_a_gap_below_the_accuracy_of_the_mesh_is_not_told():
     angle = 2 * np.pi * np.arange(14) / 14
     rings = [(0.35 - 0.02 * j + 0.03 * np.sin(3 * j), 0.2 * j) for j in range(10)]
     vertices = np.concatenate([np.stack([r * np.cos(angle), 0.8 * r * np.sin(angle), 0 * angle + z], -1) for r, z in rings])
-    faces = [[14 * j + i, 14 * j + (i + 1) % 14, 14 * (j + 1) + (i + 1) % 14, 14 * (j + 1) + i] for j in range(9) for i in range(14)]
+    faces = [
+        [14 * j + i, 14 * j + (i + 1) % 14, 14 * (j + 1) + (i + 1) % 14, 14 * (j + 1) + i] for j in range(9) for i in range(14)
+    ]
     report = tripatch.fill(vertices, faces, rim=tripatch.find_holes(faces)[1]).report
     assert report.boundary_gap > 1e-6 and report.surroundings_error > 1
     assert report.continuity == ["G1"] and not report.warnings
