@@ -289,7 +289,7 @@ PolyharmonicSum::Jets<Values, Order> PolyharmonicSum::polynomials_at(const Value
 }
 
 void PolyharmonicSum::evaluate(const PlanePoints& at, int order, double* out) const {
-  constexpr int eight = 8, four = 4, two = 2;  // as many as registers hold
+  [[maybe_unused]] constexpr int eight = 8, four = 4, two = 2;  // as many as registers hold
   Index k = 0;
 #ifdef TRIPATCH_PACKS
   static const bool packs = __builtin_cpu_supports("avx2");

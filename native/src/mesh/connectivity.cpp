@@ -66,7 +66,8 @@ std::vector<char> vertices_near(const Mesh& mesh, std::span<const Index> vertice
   std::vector<char> near(mesh.vertices.rows());
   const double* p = mesh.vertices.data();
   for (char& mark : near) {
-    mark = (p[0] >= low[0]) & (p[0] <= high[0]) & (p[1] >= low[1]) & (p[1] <= high[1]) & (p[2] >= low[2]) & (p[2] <= high[2]);
+    const auto within = [&](int k) { return static_cast<int>(p[k] >= low[k]) & static_cast<int>(p[k] <= high[k]); };
+    mark = static_cast<char>(within(0) & within(1) & within(2));
     p += 3;
   }
   return near;
