@@ -149,7 +149,7 @@ std::optional<PlaneLayout> brought_into_plane(const PlaneFill& made, std::option
 }
 
 /// Of triangles whose quads are smoothed afterwards: any corner will do.
-constexpr PairQuadsOptions any_pairs = {40, 40, 90};
+constexpr PairQuadsOptions any_pairs = {.largest_free_corner = 90};
 
 /// Kinds of quads that are tried, one after the other: a grid between four corners; what grows in from the rim as the faces around have it, or
 /// as the angles there do; else a disc with four poles. Grid and disc may have any quality while nothing is turned over.

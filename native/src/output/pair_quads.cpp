@@ -99,9 +99,10 @@ std::vector<int> choose(const std::vector<TrianglePair>& pairs, std::size_t tria
   const auto partner = [&](int pair, int t) { return pairs[pair].a == t ? pairs[pair].b : pairs[pair].a; };
   // From a triangle left over to another one, by pairs that are not chosen and pairs that are in turn: these change places (Edmonds 1965,
   // "Paths, trees, and flowers", without the flowers). came_by: of each triangle that is reached by a pair not chosen, that pair.
-  std::vector<int> came_by(triangles), queue;
+  std::vector<int> came_by(triangles, -1), queue, reached;
   const auto give_partner = [&](int start) {
-    std::ranges::fill(came_by, -1);
+    for (const int t : reached) came_by[t] = -1;
+    reached.clear();
     queue.assign(1, start);
     for (std::size_t next = 0; next < queue.size(); ++next) {
       const int t = queue[next];
@@ -109,6 +110,7 @@ std::vector<int> choose(const std::vector<TrianglePair>& pairs, std::size_t tria
         int u = partner(pair, t);
         if (came_by[u] >= 0 || u == start || chosen[u] == pair) continue;
         came_by[u] = pair;
+        reached.push_back(u);
         if (chosen[u] >= 0) {
           const int w = partner(chosen[u], u);
           if (came_by[w] < 0) queue.push_back(w);
@@ -117,12 +119,11 @@ std::vector<int> choose(const std::vector<TrianglePair>& pairs, std::size_t tria
         while (true) {  // back to the start
           const int taken = came_by[u], before = partner(taken, u), given_up = chosen[before];
           chosen[u] = chosen[before] = taken;
-          if (before == start) return true;
+          if (before == start) return;
           u = partner(given_up, before);
         }
       }
     }
-    return false;
   };
   for (int t = 0; t < static_cast<int>(triangles); ++t)
     if (chosen[t] < 0) give_partner(t);

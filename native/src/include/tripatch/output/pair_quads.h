@@ -13,8 +13,8 @@ namespace tripatch {
 struct PairQuadsOptions {
   double largest_fold = 40;    ///< degrees between the normals of the two triangles
   double largest_corner = 40;  ///< degrees by which a corner of a quad may differ from a right angle
-  std::optional<double> largest_free_corner =
-      {};  ///< the same of corners not between two edges of the border: their quads are smoothed
+  /// The same of corners that are not between two edges of the border, where the quads will be smoothed; none: as of the others.
+  std::optional<double> largest_free_corner = {};
 };
 
 /// Joins triangles by twos into quads where these are good: the best pairs first, then triangles left over change partners where
