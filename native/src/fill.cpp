@@ -26,6 +26,7 @@
 #include "tripatch/output/leaned.h"
 #include "tripatch/output/shaped.h"
 #include "tripatch/spline/plane_fill.h"
+#include "tripatch/spline/small_fill.h"
 
 namespace tripatch {
 namespace {
@@ -309,7 +310,8 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
   std::optional<std::vector<Index>> only;
   if (rims.size() == 1) only = rims[0];
   FillContext context(mesh, only, options, connected);
-  if (options.surroundings == SurroundingsFrom::mesh) context.planes = shared_planes(mesh, context.left, rims);
+  if (options.surroundings == SurroundingsFrom::mesh)
+    context.planes = shared_planes(mesh, context.left, rims, fills_small(options) ? planes_of_small : nullptr);
   const auto report_progress = [&](std::size_t done) {
     if (progress) progress(done);
   };

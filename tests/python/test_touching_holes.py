@@ -72,6 +72,13 @@ def rounds():
     return vertices, left, [rim for rim in tripatch.find_holes(left) if len(rim) == 18]
 
 
+def hexagons():
+    """Two holes of six edges in a lattice of triangles that touch at a vertex."""
+    vertices, faces, index = lattice()
+    left = [[index[p] for p in face] for face in faces if not {(1, 0), (-1, 0)} & set(face)]
+    return vertices, left, [rim for rim in tripatch.find_holes(left) if len(rim) == 6]
+
+
 def shared(rims):
     """Vertices of two rims or more."""
     every = np.concatenate(rims)
@@ -103,6 +110,18 @@ def test_holes_of_four_sides_that_touch_have_one_tangent_plane_there(options):
     vertices, faces, rims = squares()
     (vertex,) = shared(rims)
     assert apart(tripatch.fill_all(vertices, faces, rims, **options), vertex) < 1e-6
+
+
+def test_holes_of_few_edges_that_touch_have_one_tangent_plane_there():
+    vertices, faces, rims = hexagons()
+    (vertex,) = shared(rims)
+    fills = tripatch.fill_all(vertices, faces, rims)
+    assert apart(fills, vertex) < 1e-6
+    x, y, _ = vertices[vertex]
+    step = 1e-6
+    slope = [(height(x + step, y) - height(x - step, y)) / (2 * step), (height(x, y + step) - height(x, y - step)) / (2 * step)]
+    normal = np.array([[-slope[0], -slope[1], 1]]) / np.linalg.norm([*slope, 1])
+    assert tripatch.angles(fills[0].rim_normals[[list(fills[0].rim).index(vertex)]], normal)[0] < 1
 
 
 def test_the_plane_does_not_depend_on_the_order_of_the_holes():

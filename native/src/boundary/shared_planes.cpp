@@ -18,12 +18,6 @@
 namespace tripatch {
 namespace {
 
-/// A plane as one side of a rim tells it.
-struct SeenPlane {
-  Vec3 normal;
-  double variance;  // radians squared
-};
-
 using SeenPlanes = std::map<Index, std::vector<SeenPlane>>;
 
 /// Variance of a normal by rounding.
@@ -41,9 +35,13 @@ std::array<Index, 3> corners_about(Index place, Index n, const std::vector<Index
 
 /// The planes at some vertices of a rim: of a corner those of both sides.
 void look_at(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& given, const std::set<Index>& vertices,
-             SeenPlanes& seen) {
+             PlanesOfRim of_rim, SeenPlanes& seen) {
   std::vector<Index> rim = check_topology(around, given);
   std::rotate(rim.begin(), std::min_element(rim.begin(), rim.end()), rim.end());
+  const std::vector<SeenPlane> known = of_rim ? of_rim(mesh, around, rim) : std::vector<SeenPlane>();
+  for (std::size_t k = 0; k < known.size(); ++k)
+    if (vertices.contains(rim[k])) seen[rim[k]].push_back(known[k]);
+  if (!known.empty()) return;
   const Index n = static_cast<Index>(rim.size());
   std::vector<Index> corners = detect_corners(mesh, around, rim);
   std::sort(corners.begin(), corners.end());
@@ -82,7 +80,8 @@ Vec3 mean_of(const std::vector<SeenPlane>& planes) {
 
 }  // namespace
 
-VertexPlanes shared_planes(const Mesh& mesh, const Connectivity& around, std::span<const std::vector<Index>> rims) {
+VertexPlanes shared_planes(const Mesh& mesh, const Connectivity& around, std::span<const std::vector<Index>> rims,
+                           PlanesOfRim of_rim) {
   std::vector<Index> vertices;
   for (const std::vector<Index>& rim : rims) vertices.insert(vertices.end(), rim.begin(), rim.end());
   std::sort(vertices.begin(), vertices.end());
@@ -98,7 +97,7 @@ VertexPlanes shared_planes(const Mesh& mesh, const Connectivity& around, std::sp
   const auto look = [&](Index k) {
     if (shared[k].empty()) return;
     try {
-      look_at(mesh, around, rims[k], shared[k], by_rim[k]);
+      look_at(mesh, around, rims[k], shared[k], of_rim, by_rim[k]);
     } catch (const Refusal&) {  // told when it is filled
       by_rim[k].clear();
     }

@@ -72,7 +72,7 @@ bool asks_for_nothing(const FillOptions& options) {
 
 /// Of a hole of three edges, or of few in smooth surroundings.
 std::optional<Fill> fill_if_small(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options) {
-  if (rim.size() > max_edges_of_small || !asks_for_nothing(options)) return {};
+  if (rim.size() > max_edges_of_small || !fills_small(options)) return {};
   std::vector<Index> checked = check_topology(context.left, rim);
   check_finite(context.mesh, context.left, checked);
   std::rotate(checked.begin(), std::min_element(checked.begin(), checked.end()), checked.end());
@@ -81,6 +81,8 @@ std::optional<Fill> fill_if_small(const FillContext& context, const std::vector<
 }
 
 }  // namespace
+
+bool fills_small(const FillOptions& options) { return options.method == automatic_method && asks_for_nothing(options); }
 
 std::optional<Fill> fill_with_many_sides(const FillContext& context, const std::optional<std::vector<Index>>& rim,
                                          const Corners& corners, const FillOptions& options) {

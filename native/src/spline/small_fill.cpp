@@ -114,6 +114,12 @@ std::optional<Frame> frame_of(const Mesh& mesh, const Connectivity& around, cons
   return frame;
 }
 
+std::vector<Vec3> samples_of(const Mesh& mesh, const TwoRings& near, const Frame& frame) {
+  std::vector<Vec3> samples;
+  for (const Index v : near.vertices) samples.push_back(frame.to(mesh.vertices.row(v)));
+  return samples;
+}
+
 bool crosses_itself(const std::vector<Vec2>& rim) {
   const std::size_t n = rim.size();
   for (std::size_t i = 0; i < n; ++i)
@@ -315,13 +321,29 @@ void complete(const Mesh& mesh, const Connectivity& around, const std::string& r
 
 }  // namespace
 
+std::vector<SeenPlane> planes_of_small(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
+  const std::size_t r = rim.size();
+  if (r > max_edges_of_small) return {};
+  const TwoRings near = two_rings(around, rim);
+  const std::optional<Frame> frame = frame_of(mesh, around, near, r);
+  if (!frame) return {};
+  std::vector<Vec3> samples = samples_of(mesh, near, *frame);
+  keep_nearest(samples, r);
+  if (samples.size() < 2 * quadric_terms) return {};
+  const HeightQuadric quadric(samples, r);
+  if (!std::isfinite(quadric.error())) return {};
+  std::vector<SeenPlane> planes;
+  for (std::size_t k = 0; k < r; ++k)
+    planes.push_back({frame->normal_of(quadric.at(samples[k].head<2>()).tail<2>()), square(quadric.error())});
+  return planes;
+}
+
 std::optional<Fill> fill_small(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
   const std::size_t r = rim.size();
   const TwoRings near = two_rings(around, rim);
   const std::optional<Frame> frame = frame_of(mesh, around, near, r);
   if (!frame) return {};
-  std::vector<Vec3> samples;
-  for (const Index v : near.vertices) samples.push_back(frame->to(mesh.vertices.row(v)));
+  std::vector<Vec3> samples = samples_of(mesh, near, *frame);
   std::vector<Vec2> places;
   for (std::size_t k = 0; k < r; ++k) places.emplace_back(samples[k].head<2>());
   if (crosses_itself(places)) return {};

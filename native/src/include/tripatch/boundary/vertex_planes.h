@@ -10,4 +10,10 @@ namespace tripatch {
 /// Unit normals by vertex.
 using VertexPlanes = std::map<Index, Vec3>;
 
+/// A plane as one side of a rim tells it.
+struct SeenPlane {
+  Vec3 normal;
+  double variance;  ///< radians squared
+};
+
 }  // namespace tripatch

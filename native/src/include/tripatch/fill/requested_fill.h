@@ -13,6 +13,9 @@ namespace tripatch {
 std::optional<Fill> fill_with_many_sides(const FillContext& context, const std::optional<std::vector<Index>>& rim,
                                          const Corners& corners, const FillOptions& options);
 
+/// Whether holes of few edges are closed by few triangles, without a surface.
+bool fills_small(const FillOptions& options);
+
 /// What the rim asks for, shaped as asked: shape changes nothing in what is chosen.
 Fill fill_and_shape(const FillContext& context, const std::vector<Index>& loop, const Corners& corners,
                     const FillOptions& options);

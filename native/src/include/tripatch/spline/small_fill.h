@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "tripatch/boundary/vertex_planes.h"
 #include "tripatch/output/fill_result.h"
 
 namespace tripatch {
@@ -18,6 +19,10 @@ constexpr std::size_t max_edges_of_small = 8;
 /// the plane, or from one next to it, as far as at a crease (needles aside), where the rim is seen from above crossing itself, or
 /// where the triangles would double an edge of the mesh.
 std::optional<Fill> fill_small(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
+
+/// By vertex of the rim the planes of the quadric through the vertices of two rings. Empty of longer rims, where one of the faces of
+/// the two rings is turned as far as at a crease, and where they have too few vertices.
+std::vector<SeenPlane> planes_of_small(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
 
 /// The triangle of a rim of three edges, without a patch; nothing where it would be folded over a face beyond.
 std::optional<Fill> fill_with_one_triangle(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim);
