@@ -1,6 +1,7 @@
 """Threads: their number changes no result, and a forked process has its own."""
 
 import os
+import subprocess
 import sys
 import threading
 
@@ -69,3 +70,23 @@ def test_a_forked_process_fills_as_the_one_it_comes_from():
             os._exit(0 if same else 1)
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
     assert np.array_equal(fill_with(3).vertices, before.vertices)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="its programs say how large the stacks of threads are")
+def test_half_a_megabyte_of_stack_is_enough_as_threads_of_macos_have():
+    source = """
+import threading
+import test_threads
+
+def fill_all():
+    for options in ({}, {"output": "quads"}, {"fairing": "thin_plate", "resolution": 40}, {"method": "polyharmonic_spline"}):
+        print(len(test_threads.fill_with(3, **options).faces))
+
+threading.stack_size(512 * 1024)
+thread = threading.Thread(target=fill_all)
+thread.start()
+thread.join()
+"""
+    command = ["sh", "-c", 'ulimit -s 512 && exec "$0" -c "$1"', sys.executable, source]  # threads of fills have the limit's size
+    done = subprocess.run(command, cwd=os.path.dirname(__file__), stdout=subprocess.PIPE, text=True)
+    assert (done.returncode, len(done.stdout.split())) == (0, 4)
