@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import shutil
-import subprocess
 import time
 from pathlib import Path
 
@@ -14,6 +13,7 @@ import tripatch
 
 from . import metrics, page, rivals, sets
 from .holes import Hole
+from .kept import FAILURES, Kept
 from .page import OURS, TRUTH
 
 QUICK = 7  # --quick: no multiple of what the sets repeat
@@ -40,7 +40,7 @@ def measured(hole: Hole, others: dict) -> tuple[dict, dict]:
     for name, call in others.items():
         try:
             made[name] = call(hole, fill)
-        except (RuntimeError, ValueError, StopIteration, subprocess.SubprocessError, OSError) as error:
+        except FAILURES as error:
             row["fillers"][name] = {"failed": str(error)[:100] or type(error).__name__}
     for name, each in made.items():
         row["fillers"][name] = metrics.measure(hole, each.vertices, each.faces) | {"cpu": each.cpu}
@@ -53,34 +53,46 @@ def measured(hole: Hole, others: dict) -> tuple[dict, dict]:
     return row, made
 
 
+def in_turn(settings: argparse.Namespace) -> list[Hole]:
+    """The holes of all sets: each seventh first, so that a run that is stopped has some of every set."""
+    chosen = settings.sets.split(",") if settings.sets else None
+    found = []
+    for group, make in sets.all_sets(settings.data, blender=settings.blender, cache=settings.cache):
+        if not chosen or group in chosen:
+            for k, hole in enumerate(make()):
+                hole.group = group
+                found.append((k % QUICK, k // QUICK, len(found), hole))
+    return [hole for turn, *_, hole in sorted(found, key=lambda each: each[:3]) if not settings.quick or not turn]
+
+
 def run(settings: argparse.Namespace, others: dict, results: dict) -> None:
     """Fills `results`, which is written after each hole: what has been done is kept if it is stopped."""
-    chosen = settings.sets.split(",") if settings.sets else None
-    for group, make in sets.all_sets(settings.data, blender=settings.blender, cache=settings.cache):
-        if chosen and group not in chosen:
+    start, found, count = time.perf_counter(), in_turn(settings), 0
+    results["of"] = len(found)
+    for hole in found:
+        key = f"{hole.group}: {hole.name}"
+        if key in results["holes"]:
             continue
-        start, count = time.perf_counter(), 0
-        for k, hole in enumerate(make()):
-            hole.group, key = group, f"{group}: {hole.name}"
-            if key in results["holes"] or k % settings.every:
-                continue
-            row, made = measured(hole, others)
-            results["holes"][key] = row
-            count += 1
-            if settings.pictures and hole.name in page.PICTURED and made:
-                from . import pictures
+        if settings.minutes and time.perf_counter() - start > 60 * settings.minutes:
+            break
+        row, made = measured(hole, others)
+        results["holes"][key] = row
+        count += 1
+        if settings.pictures and hole.name in page.PICTURED and made:
+            from . import pictures
 
-                pictures.draw(settings.pictures / f"{hole.name}.png", hole, made, row["fillers"])
-            part = settings.json.with_suffix(".part")
-            part.write_text(json.dumps(results, indent=0, default=float) + "\n")
-            part.replace(settings.json)
-        print(f"{group}: {count} holes, {time.perf_counter() - start:.0f} s", flush=True)
+            pictures.draw(settings.pictures / f"{hole.name}.png", hole, made, row["fillers"])
+        part = settings.json.with_suffix(".part")
+        part.write_text(json.dumps(results, indent=0, default=float) + "\n")
+        part.replace(settings.json)
+        if count % 20 == 0:
+            print(f"{len(results['holes'])} of {len(found)} holes, {time.perf_counter() - start:.0f} s", flush=True)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="holebench", description=__doc__)
-    parser.add_argument("--quick", dest="every", action="store_const", const=QUICK, help="every seventh hole: ten minutes")
-    parser.add_argument("--every", type=int, default=1, metavar="N", help="only every Nth hole of each set")
+    parser.add_argument("--quick", action="store_true", help="every seventh hole of each set: ten minutes")
+    parser.add_argument("--minutes", type=float, help="stop after as many; what is done by then has holes of every set")
     parser.add_argument("--data", type=Path, help="a folder of meshes, or of NAME_original and NAME_gt (its truth) each")
     parser.add_argument(
         "--rival", action="append", default=[], metavar="NAME=COMMAND", help="a program that takes IN.obj OUT.obj"
@@ -94,10 +106,9 @@ def main() -> None:
     parser.add_argument("--pictures", type=Path, help="the folder of the pictures")
     parser.add_argument("--resume", action="store_true", help="keep the holes that the results have")
     parser.add_argument("--only-page", action="store_true", help="write the page of results that are there")
-    parser.add_argument("--cache", type=Path, required=True, help="folder for what Blender makes")
+    parser.add_argument("--cache", type=Path, required=True, help="folder for what Blender makes, and other programs' fills")
     for name, what in (("cgal", "the compiled cgal_fill"), ("pmp", "the compiled pmp_fill"), ("blender", "Blender")):
         parser.add_argument(f"--{name}", default="", help=what)
-    parser.set_defaults(every=1)
     settings = parser.parse_args()
     settings.blender = shutil.which(settings.blender) or ""
     settings.cache.mkdir(parents=True, exist_ok=True)
@@ -109,8 +120,10 @@ def main() -> None:
         for line in skipped:
             print(f"skipped: {line}")
         sources = [sets.origin(p) for p in sorted(settings.data.rglob("*")) if p.is_file()] if settings.data else []
-        known = {"versions": versions, "skipped": skipped, "every": settings.every, "data": sources}
+        known = {"versions": versions, "skipped": skipped, "data": sources}
         results = {**page.measured_on(), **known, "holes": {}}
+        kept = Kept(settings.cache / "rivals", results, versions)
+        others = {name: kept.of(name, call) for name, call in others.items()}
         if settings.resume and settings.json.exists():
             results["holes"] = json.loads(settings.json.read_text())["holes"]
         run(settings, others, results)

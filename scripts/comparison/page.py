@@ -224,11 +224,13 @@ MeshLib to the longest, as it would split that otherwise.
 ## Run it
 
     scripts/holebench --quick                        # every seventh hole
+    scripts/holebench --minutes 60                   # as many as can be done in that time, of every set
     scripts/holebench --data FOLDER                  # all of them, and those of your files
     scripts/holebench --rival NAME='COMMAND'         # another program: COMMAND IN.obj OUT.obj
 
 `FOLDER` has meshes, closed or with holes, or pairs NAME_original.obj and NAME_gt.obj, where the second is the truth. All figures
-of every hole are in `build/holebench/results.json`.
+of every hole are in `build/holebench/results.json`. The fills of other programs are kept in `build/holebench/rivals`, so a second
+run calls these only if a hole, a program, its caller or the processor has changed.
 
 A program joins by a command that reads a mesh with a hole and writes it filled, such as
 [a fan of triangles by trimesh](examples/trimesh_rival.py), ten lines:
@@ -240,7 +242,8 @@ A program joins by a command that reads a mesh with a hole and writes it filled,
 def page(results: dict) -> str:
     named, rows = results["holes"], [row for row in results["holes"].values() if len(fillers_of([row])) > 1]
     versions = "; ".join(f"{name} {version}" for name, version in results["versions"].items())
-    tried = f" {len(rows)} holes" + (", some of each set." if results["every"] > 1 else ".")
+    some = f" of {results['of']} holes, some of each set." if len(rows) < results["of"] else " holes."
+    tried = f" {len(rows)}{some}"
     lines = ["# Comparison with other programs: HoleBench", "", written_by("holebench", results) + tried, ""]
     lines += [f"Other programs: {versions}.", *(f"Skipped: {line}." for line in results["skipped"]), ""]
     lines += [

@@ -15,6 +15,7 @@ import multiprocessing
 import os
 import resource
 import shlex
+import signal
 import subprocess
 import tempfile
 import time
@@ -33,7 +34,8 @@ from .cuts import halfedges
 from .holes import RINGS, Hole
 
 REPETITIONS, LONG = 3, 0.1  # of which only one if it takes so many seconds
-PATIENCE = 60  # seconds that a rival may take for a hole
+PATIENCE, STUCK = 60, 1200  # seconds that a rival may take for a hole: of CPU, which other work does not lengthen; of the clock
+GIVEN_TRIANGLES = ("libigl", "OpenCASCADE")  # of TriPatch, and place their vertices
 SAME = 1e-5  # of the hole: vertices as near as this are the same, also if they were written in single precision
 
 
@@ -89,12 +91,18 @@ def timed(call, prepared=lambda: None):
     return result, least
 
 
+def be_patient() -> None:
+    """Limits the CPU time of this process."""
+    resource.setrlimit(resource.RLIMIT_CPU, (PATIENCE, PATIENCE))
+
+
 def apart(call):
     """What it returns in a process of its own, which may crash or take too long."""
     processes = multiprocessing.get_context("fork")
     answer, question = processes.Pipe(duplex=False)
 
     def run():
+        be_patient()
         for stream in (1, 2):
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream)
         try:
@@ -106,11 +114,13 @@ def apart(call):
     process.start()
     question.close()
     try:
-        if not answer.poll(PATIENCE):
-            raise RuntimeError(f"no answer within {PATIENCE} s")
+        if not answer.poll(STUCK):
+            raise RuntimeError(f"no answer within {STUCK} s")
         result = answer.recv()
     except EOFError:
-        raise RuntimeError("crashed") from None
+        process.join()
+        late = process.exitcode in (-signal.SIGXCPU, -signal.SIGKILL)
+        raise RuntimeError(f"more than {PATIENCE} s of CPU" if late else "crashed") from None
     finally:
         process.kill()
         process.join()
@@ -152,7 +162,9 @@ def program(path: str, option: int) -> Callable:
                 np.savetxt(file, hole.faces, fmt="%d")
                 print(*hole.rim[:2], file=file)
             command = [path, given, str(option), str(REPETITIONS), made]
-            words = subprocess.run(command, check=True, capture_output=True, text=True, timeout=PATIENCE).stdout.split()
+            words = subprocess.run(
+                command, check=True, capture_output=True, text=True, timeout=STUCK, preexec_fn=be_patient
+            ).stdout.split()
             with made.open() as file:
                 count, triangles = map(int, file.readline().split())
                 vertices = np.loadtxt(file, max_rows=count)
@@ -172,7 +184,9 @@ def command(words: str) -> Callable:
             lines += [f"f {a} {b} {c}" for a, b, c in (hole.faces + 1).tolist()]
             given.write_text("\n".join(lines) + "\n")
             before = resource.getrusage(resource.RUSAGE_CHILDREN)
-            ended = subprocess.run([*shlex.split(words), given, made], capture_output=True, text=True, timeout=PATIENCE)
+            ended = subprocess.run(
+                [*shlex.split(words), given, made], capture_output=True, text=True, timeout=STUCK, preexec_fn=be_patient
+            )
             if ended.returncode:
                 raise RuntimeError(ended.stderr.strip()[-100:] or f"ended with {ended.returncode}")
             after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -330,7 +344,7 @@ def run_blender(program: str, script: str, *arguments) -> None:
         file.write(script)
         file.flush()
         words = [program, "--background", "--factory-startup", "--python-exit-code", "1", "--python", file.name, "--"]
-        subprocess.run([*words, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL, timeout=300)
+        subprocess.run([*words, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL, timeout=STUCK)
 
 
 class Blender:

@@ -13,7 +13,7 @@ pytest.importorskip("resource", reason="rivals are limited as POSIX does")
 ROOT = Path(__file__).parents[2]
 sys.path.append(str(ROOT / "scripts"))
 
-from comparison import cuts, metrics, rivals, sets  # noqa: E402
+from comparison import cuts, kept, metrics, rivals, sets  # noqa: E402
 from comparison.holes import Hole  # noqa: E402
 
 #: A square frame in the plane; its hole has the corners 0 to 3.
@@ -147,3 +147,39 @@ def test_another_program_is_measured_on_two_holes(tmp_path):
         assert mine["open"] == theirs["open"] == 0
         assert mine["distance"] < theirs["distance"] and 0 < mine["cpu"] < theirs["cpu"]
     assert "| trimesh | 2 of 2 |" in (tmp_path / "page.md").read_text()
+
+
+def test_fill_of_another_program_is_made_once_for_a_hole_and_a_version(tmp_path):
+    called = []
+
+    def call(hole, ours):
+        called.append(hole.name)
+        return rivals.Filling(pyramid(1.0), FAN, 0.5)
+
+    on = {"processor": "one", "system": "one"}
+    fill = kept.Kept(tmp_path, on, {"Rival": "1"}).of("Rival, plain", call)
+    first, second = fill(frame(), None), fill(frame(), None)
+    assert called == ["frame"]
+    assert (second.vertices == first.vertices).all() and (second.faces == first.faces).all() and second.cpu == 0.5
+    moved = frame()
+    moved.vertices = FRAME + 1.0
+    fill(moved, None)
+    kept.Kept(tmp_path, on, {"Rival": "2"}).of("Rival, plain", call)(frame(), None)
+    assert len(called) == 3
+
+
+def test_failure_of_another_program_is_kept_and_a_program_without_version_is_not(tmp_path):
+    called = []
+
+    def call(hole, ours):
+        called.append(hole)
+        raise RuntimeError("no")
+
+    on = {"processor": "one", "system": "one"}
+    for name, times in (("Rival", 1), ("Command", 2)):
+        fill = kept.Kept(tmp_path, on, {"Rival": "1"}).of(name, call)
+        called.clear()
+        for _ in range(2):
+            with pytest.raises(RuntimeError, match="no"):
+                fill(frame(), None)
+        assert len(called) == times
