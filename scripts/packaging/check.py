@@ -62,6 +62,9 @@ def module_faults(platform: Platform, python: str, content: bytes) -> list[str]:
         least = binary.build_version.minos if binary.has_build_version else binary.version_min.version
         if tuple(least[:2]) != MACOS:
             faults.append(f"runs from macOS {'.'.join(map(str, least))} on")
+        shared = {lief.MachO.Header.FLAGS.WEAK_DEFINES, lief.MachO.Header.FLAGS.BINDS_TO_WEAK}
+        if shared & set(binary.header.flags_list):
+            faults.append("shares C++ functions with other libraries of its process")
         if platform.processor == "arm64" and not binary.has_code_signature:
             faults.append("has no signature, without which arm64 loads nothing")
     return faults

@@ -58,14 +58,16 @@ def headers(python: str, platform: Platform) -> Path:
     """The folder with Python's headers and their configuration for a platform, made from a source tree of Python."""
     source = BUILD / "python-source" / python
     folder = BUILD / "cross" / "python" / f"{python}-{platform.system}"
-    shutil.rmtree(folder, ignore_errors=True)
-    shutil.copytree(source / "Include", folder)
     if platform.system == "Windows":
         config = next(p for p in (source / "PC" / "pyconfig.h", source / "PC" / "pyconfig.h.in") if p.exists()).read_text()
     else:
         config = "".join(f"#define {name} {value}\n" for name, value in UNIX_CONFIG.items())
         config = f"#pragma once\n{config}#ifndef _POSIX_THREADS\n#define _POSIX_THREADS 1\n#endif\n"
-    (folder / "pyconfig.h").write_text(config)
+    file = folder / "pyconfig.h"
+    if not file.exists() or file.read_text() != config:  # else nothing is compiled again
+        shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(source / "Include", folder)
+        file.write_text(config)
     return folder
 
 
@@ -85,10 +87,42 @@ def import_library(python: str, include: Path) -> Path:
     return library
 
 
-def run(command: list[str | Path]) -> None:
+def run(command: list[str | Path]) -> str:
+    """Runs a program; returns what it printed, and prints it if there are warnings."""
     done = subprocess.run(list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if done.returncode:
         sys.exit(f"{done.stdout[-6000:]}\nerror: {' '.join(map(str, command))[:300]} failed")
+    if "warning: " in done.stdout:
+        print(done.stdout)
+    return done.stdout
+
+
+def macos_link(platform: Platform, folder: Path) -> Path:
+    """CMake's rule to link a module for macOS.
+
+    It calls LLVM's linker with the libraries that zig would link. zig's own linker exports operator new and binds parts of the
+    C++ library weakly, so that macOS would replace them by those of another C++ library in the process.
+    """
+    probe = folder / "probe.cpp"
+    probe.write_text("#include <string>\nstd::string made(int value) { return std::to_string(value); }\n")
+    said = run([folder / "c++", "-v", "-shared", probe, "-o", folder / "probe.dylib"])
+    linked = next(line for line in said.splitlines() if line.startswith("zig ld "))
+    libraries = [Path(name).absolute() for name in re.findall(r"\S+\.a\b", linked)]
+    # what libSystem exports, written for arm64e, which has the same functions
+    system = (ZIG.parent / "lib" / "libc" / "darwin" / "libSystem.tbd").read_text()
+    (folder / "libSystem.tbd").write_text(re.sub(r"arm64e(\.x1)?-", "arm64-", system))
+    linkers = sorted(Path("/usr/lib").glob("llvm-*/bin/ld64.lld"))
+    if not linkers:
+        sys.exit("error: ld64.lld, of Debian's package lld, is not installed")
+    oldest = platform.target.partition("macos.")[2]
+    system_version = ["-platform_version", "macos", oldest, oldest]
+    command = [linkers[-1], "-arch", platform.processor, *system_version, "-bundle", "-dead_strip", "-S"]
+    inputs = ["<LINK_FLAGS>", "-o", "<TARGET>", "<OBJECTS>", "<LINK_LIBRARIES>", *libraries, folder / "libSystem.tbd"]
+    rule = folder / "rules.cmake"
+    rule.write_text(
+        f'set(CMAKE_CXX_CREATE_SHARED_MODULE "{" ".join(map(str, command + inputs))}")\nunset(CMAKE_CXX_LINKER_WRAPPER_FLAG)\n'
+    )
+    return rule
 
 
 def toolchain(platform: Platform) -> Path:
@@ -119,7 +153,8 @@ def toolchain(platform: Platform) -> Path:
     if platform.system == "Windows":  # else CMake links uuid and others, which zig would have to compile: minutes for nothing
         lines["CMAKE_CXX_STANDARD_LIBRARIES"] = '"" CACHE STRING "" FORCE'
     if platform.system == "Darwin":
-        lines |= {"CMAKE_INSTALL_NAME_TOOL": "/bin/true", "CMAKE_OSX_SYSROOT": '""', "CMAKE_LINKER_TYPE": "DEFAULT"}
+        lines |= {"CMAKE_INSTALL_NAME_TOOL": "/bin/true", "CMAKE_OSX_SYSROOT": '""', "CMAKE_MODULE_LINKER_FLAGS_INIT": '""'}
+        lines["CMAKE_USER_MAKE_RULES_OVERRIDE"] = macos_link(platform, folder)
     file = folder / "toolchain.cmake"
     file.write_text("".join(f"set({name} {value})\n" for name, value in lines.items()))
     return file
