@@ -25,6 +25,7 @@ void bind_limit(py::module_& m);
 void bind_methods(py::module_& m);
 void bind_report(py::module_& m);
 void bind_holes(py::module_& m);
+void bind_face_rows(py::module_& m);
 void bind_fill(py::module_& m);
 void bind_making(py::module_& m);
 void bind_polygon(py::module_& m);

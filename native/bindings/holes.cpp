@@ -4,14 +4,20 @@
 #include "connected_mesh.h"
 #include "options.h"
 #include "tripatch/boundary/mesh_sides.h"
+#include "tripatch/creases/features.h"
 #include "tripatch/estimate/local_mesh.h"
 #include "tripatch/hole/choose_holes.h"
 #include "tripatch/hole/clear_corners.h"
+#include "tripatch/hole/corners.h"
 #include "tripatch/hole/hole.h"
 #include "tripatch/hole/islands.h"
 #include "tripatch/hole/near_duplicates.h"
 #include "tripatch/hole/rim_checks.h"
+#include "tripatch/hole/rim_shape.h"
+#include "tripatch/hole/sharp_sides.h"
+#include "tripatch/mesh/submesh.h"
 #include "tripatch/report/passages.h"
+#include "tripatch/spline/disc.h"
 
 using namespace tripatch;
 
@@ -34,6 +40,39 @@ py::object joined_borders(ConnectedMesh& connected, std::optional<double> distan
   py::list splits;
   for (const EdgeSplit& each : joined.splits) splits.append(py::make_tuple(each.face, each.corner, each.vertex, each.t));
   return py::make_tuple(array_from(joined.faces.offsets), array_from(joined.faces.corners), array_from(joined.stands), splits);
+}
+
+bool has_sharp_sides(const ConnectedMesh& connected, const std::vector<Index>& rim) {
+  try {
+    const std::vector<Index> corners = detect_corners(connected.mesh(), connected.around(), rim);
+    return corners.size() > 1 && any_sharp(sharp_sides(connected.mesh(), connected.around(), rim, corners));
+  } catch (const Refusal&) {  // faces without area tell nothing
+    return false;
+  }
+}
+
+/// Whether what fills a hole looks at vertices only whose faces are all known. loops: its rim and islands.
+bool looks_within(const ConnectedMesh& connected, const std::vector<std::vector<Index>>& loops, const py::array_t<bool>& known) {
+  constexpr int beyond = 4;  // rings: neighbors of neighbors are looked at too
+  const auto are_known = [known = known.unchecked<1>()](const Rings& rings) {
+    return std::ranges::all_of(rings.vertices, [&](const std::vector<Index>& ring) {
+      return &ring == &rings.vertices.back() || std::ranges::all_of(ring, [&](Index v) { return known(v); });
+    });
+  };
+  const py::gil_scoped_release release;
+  const Mesh& mesh = connected.mesh();
+  double across = 0;
+  std::vector<Index> all;
+  for (const std::vector<Index>& loop : loops) {
+    across = std::max(across, diameter(mesh, loop));
+    all.insert(all.end(), loop.begin(), loop.end());
+  }
+  const Index edges = std::ssize(all);
+  const int far = static_cast<int>(std::max<Index>(edges, max_crease_rings));
+  const bool sharp = loops.size() == 1 && has_sharp_sides(connected, loops[0]);
+  if (!are_known(rings_around(connected.around(), all, sharp ? far + beyond : max_rings + 2))) return false;
+  const Disc disc = disc_around(mesh, connected.around(), loops, crease_reach * across, far, max_triangles_around(edges));
+  return are_known(rings_around(connected.around(), disc.vertices, beyond));
 }
 
 void bind_borders(py::module_& m) {
@@ -59,6 +98,7 @@ void bind_borders(py::module_& m) {
              return listed(loops);
            })
       .def("join_borders", &joined_borders)
+      .def("looks_within", &looks_within)
       .def("contacts",
            [](ConnectedMesh& connected) {
              std::vector<std::array<Index, 4>> found;

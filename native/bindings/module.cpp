@@ -30,6 +30,7 @@ PYBIND11_MODULE(_native, m) {
   bind_methods(m);
   bind_report(m);
   bind_holes(m);
+  bind_face_rows(m);
   bind_fill(m);
   bind_polygon(m);
   bind_making(m);

@@ -3,6 +3,9 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
+
 from . import BezierRectangle as BezierRectangle
 from . import BezierTriangle as BezierTriangle
 from . import Choice as Choice
@@ -72,6 +75,39 @@ class ConnectedMesh:
     def contacts(self) -> list[tuple[int, int, int, int]]: ...
     def refusals(self, rims: Sequence[Sequence[int]]) -> list[Refusal | None]: ...
     def islands(self, loops: Sequence[Sequence[int]], parts: bool) -> list[list[int]]: ...
+    def looks_within(self, loops: Sequence[Sequence[int]], known: npt.NDArray[np.bool_]) -> bool: ...
+
+_PlacesIn = tuple[Any, int, int, tuple[int, int, int], str, bool]
+
+def _box_of_rows(places: _PlacesIn, rows: int) -> tuple[tuple[float, float, float], tuple[float, float, float]]: ...
+
+class FaceRows:
+    """The faces of a mesh as rows of bytes in a file, which may be larger than the memory."""
+
+    end: int
+    faces: int
+    portions: int
+
+    def __init__(
+        self,
+        data: Any,
+        first: int,
+        count: int,
+        lists: Sequence[tuple[int, str, int]],
+        after: int,
+        corners: int,
+        kind: str,
+        swapped: bool,
+        vertices: int,
+    ) -> None: ...
+    def at_borders(self) -> Indices: ...
+    def around(
+        self, vertices: Indices, rings: int, more: Indices
+    ) -> tuple[Indices, npt.NDArray[np.bool_], bytes, npt.NDArray[np.uint64]]: ...
+    def connected(self, asked: Indices, without: Indices) -> Indices: ...
+    def count_meeting(self, places: _PlacesIn, boxes: Floats) -> list[int]: ...
+    def meeting(self, places: _PlacesIn, boxes: Floats) -> list[tuple[int, int]]: ...
+    def widened(self, portion: int, by: int) -> bytes: ...
 
 class Filled:
     """A fill as the core returns it: `Fill` wraps it."""
