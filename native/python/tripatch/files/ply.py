@@ -113,16 +113,18 @@ class PlyFile(PlyRows):
             raise FileError(Message("property_type", {"element": "face", "name": evidence.FILL}))
         made = self
         if k < 0:
-            said: dict[str, Any] = {
-                "sha256": evidence.sha256(bytes(self._data)),
-                "counts": [self._count(e).decode("latin-1") for e in self._both()],
-            }
-            if any(element.gaps for element in self._elements):
-                said["gaps"] = [element.gaps for element in self._elements]
-            made = self._again(self._with_comment(self._with_zeros(face, "int", evidence.FILL), _ORIGINAL + evidence.line(said)))
+            said = self._about_original(evidence.sha256(bytes(self._data)))
+            made = self._again(self._with_comment(self._with_zeros(face, "int", evidence.FILL), said))
         made._marks = True
         made._number = len(re.findall(rb"[\r\n]" + _FILL, bytes(made._data[: made._body])))
         return made
+
+    def _about_original(self, sha256: str) -> bytes:
+        """The comment that says how the file was before its fills."""
+        said: dict[str, Any] = {"sha256": sha256, "counts": [self._count(e).decode("latin-1") for e in self._both()]}
+        if any(element.gaps for element in self._elements):
+            said["gaps"] = [element.gaps for element in self._elements]
+        return _ORIGINAL + evidence.line(said)
 
     def _both(self) -> tuple[PlyElement, PlyElement]:
         return self._vertex, self._face
@@ -302,6 +304,12 @@ class PlyFile(PlyRows):
             return
         normal = [vertex.index(c) for c in _PLY_NORMAL]
         blended = [p for p, (name, kind, list_kind) in enumerate(vertex.properties) if not list_kind and _is_blended(name, kind)]
+        vertex.added += len(fill.vertices)
+        if vertex.block is not None and not vertex.lists():
+            even = self._even_vertices(fill, continued, blended, normal)
+            if even is not None:
+                vertex.new.append(even)
+                return
         values = continued.at_vertices(lambda rim: np.array([[self._row(vertex, v)[p] for p in blended] for v in rim.tolist()]))
         told = itertools.repeat(NOT_KNOWN) if getattr(fill, DEVIATION, None) is None else fill.deviation
         rows = zip(fill.vertices, fill.normals, continued.near.tolist(), told, values.tolist())
@@ -317,16 +325,47 @@ class PlyFile(PlyRows):
             if self._deviation_at >= 0:
                 row[self._deviation_at] = float(deviation)
             vertex.new.append(self._encode(vertex, row))
-        vertex.added += len(fill.vertices)
 
-    def _save(self, path: Path) -> None:
-        head, pieces = bytes(self._data[: self._body]), list[bytes]()
+    def _even_vertices(self, fill: Any, continued: Continued, blended: list[int], normal: list[int]) -> bytes | None:
+        """Rows of new vertices that are as long as all others; None where a number does not fit."""
+        vertex = self._vertex
+        table: Array = vertex.block  # type: ignore[assignment]
+        rows = table[continued.near]
+
+        def of_rim(rim: Array) -> Array:
+            own = table[rim]
+            return np.column_stack([own[f"p{p}"] for p in blended])
+
+        values = {k: own for k, own in zip(normal, fill.normals.T, strict=True) if k >= 0}
+        values |= dict(zip(self._xyz, fill.vertices.T, strict=True))
+        if self._deviation_at >= 0:
+            known = getattr(fill, DEVIATION, None)
+            values[self._deviation_at] = np.full(len(rows), NOT_KNOWN) if known is None else known
+        blended = [p for p in blended if p not in values]
+        own_values = continued.at_vertices(of_rim).T if blended else ()
+        for p, own in zip(blended, own_values, strict=True):
+            values[p] = own if vertex.properties[p][1] in "fd" else np.rint(own)
+        for p, own in values.items():
+            kind = rows.dtype[f"p{p}"]
+            ends = np.finfo(kind) if kind.kind == "f" else np.iinfo(kind)
+            if not (np.abs(own) <= np.inf).all() or (own < float(ends.min)).any() or (own > float(ends.max)).any():
+                return None
+            rows[f"p{p}"] = own
+        return bytes(rows.tobytes())
+
+    def _with_fills(self, head: bytes) -> bytes:
+        """A header that tells of the fills and counts what they have added."""
         if self._about:
             head = self._with_comment(head, self._eol.join(_FILL + evidence.line(said) for said in self._about))
-        body = bytes(self._data[self._body :]) if self._order else b""
         for element in reversed(self._elements):
             first, end = element.count_at
             head = head[:first] + b"%d" % (element.count + element.added) + head[end:]
+        return head
+
+    def _save(self, path: Path) -> None:
+        head, pieces = bytes(self._data[: self._body]), list[bytes]()
+        head = self._with_fills(head)
+        body = bytes(self._data[self._body :]) if self._order else b""
         at = 0
         for element in self._elements:
             end = element.starts[-1] - (self._body if self._order else 0) if element.count else at

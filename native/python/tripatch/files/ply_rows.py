@@ -60,6 +60,24 @@ class PlyRows(MeshFile):
     """What a file has: elements with rows, of which two are the mesh."""
 
     def __init__(self, data: bytes) -> None:
+        self._read_head(data)
+        try:
+            vertices, sizes, corners = self._read_binary() if self._order else self._read_text()
+        except (ValueError, IndexError, OverflowError, MemoryError, struct.error):
+            raise damaged("PLY") from None
+        self._row_of: Sequence[int] = range(self._face.count)
+        if isinstance(sizes, int) and sizes >= 3:
+            super().__init__(vertices, (sizes, corners))
+            return
+        sizes = np.full(self._face.count, sizes) if isinstance(sizes, int) else sizes
+        kept = sizes >= 3
+        if not kept.all():
+            self._row_of = np.flatnonzero(kept).tolist()
+            corners, sizes = corners[np.repeat(kept, sizes)], sizes[kept]
+        super().__init__(vertices, (np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), corners))
+
+    def _read_head(self, data: bytes) -> None:
+        """Sets what the header says of the rows behind it."""
         end = re.search(rb"(?:^|[\r\n])end_header[ \t]*(\r\n|\n|\r)", data)
         if not data.startswith(b"ply") or not end:
             raise damaged("PLY")
@@ -100,20 +118,6 @@ class PlyRows(MeshFile):
         self._index = max(self._face.index("vertex_indices"), self._face.index("vertex_index"))
         if min(self._xyz) < 0 or self._index < 0 or self._face.properties[self._index][2] is None:
             raise FileError(Message("file_lacks_mesh", {"format": "PLY"}))
-        try:
-            vertices, sizes, corners = self._read_text() if form == "ascii" else self._read_binary()
-        except (ValueError, IndexError, OverflowError, MemoryError, struct.error):
-            raise damaged("PLY") from None
-        self._row_of: Sequence[int] = range(self._face.count)
-        if isinstance(sizes, int) and sizes >= 3:
-            super().__init__(vertices, (sizes, corners))
-            return
-        sizes = np.full(self._face.count, sizes) if isinstance(sizes, int) else sizes
-        kept = sizes >= 3
-        if not kept.all():
-            self._row_of = np.flatnonzero(kept).tolist()
-            corners, sizes = corners[np.repeat(kept, sizes)], sizes[kept]
-        super().__init__(vertices, (np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), corners))
 
     # Both readers set where the rows of all elements start, and return vertices (n, 3), the number of corners of each face, or
     # one for all, and the corners.
