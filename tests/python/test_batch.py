@@ -392,7 +392,7 @@ def test_a_process_that_stays_without_memory_is_ended(tmp_path, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     settings = Settings(str(tmp_path), str(tmp_path), {}, tripatch.__version__, "crop", memory_limit=300, time_limit=30)
     with keeper.Keeper(settings) as one:
-        with pytest.raises(keeper._Ended) as caught:
+        with pytest.raises(keeper.Ended) as caught:
             one.call("hog", "take_all")
         assert caught.value.status == record.MEMORY_LIMIT
         assert one.call("math", "sqrt", 4) == 2
@@ -782,7 +782,7 @@ def test_the_sheet_shows_the_worst_first(tmp_path, capsys):
 def test_what_fails_in_the_process_is_told_as_what_it_is(tmp_path):
     settings = Settings(str(tmp_path), str(tmp_path), {}, tripatch.__version__, "crop")
     with keeper.Keeper(settings) as one:
-        with pytest.raises(keeper._Ended, match="TriPatch failed on this file: ValueError") as caught:
+        with pytest.raises(keeper.Ended, match="TriPatch failed on this file: ValueError") as caught:
             one.call("math", "sqrt", -1)
         assert caught.value.status == record.CRASHED
         assert one.call("math", "sqrt", 4) == 2  # it continues

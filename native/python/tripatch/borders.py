@@ -104,6 +104,30 @@ class Holes:
             self._gather_islands()
         self._edges = None if self._stands is None else self._doubled_edges()
 
+    @classmethod
+    def of_part(
+        cls, vertices: Array, offsets: Array, corners: Array, rims: Any, islands: Any, stands: Array | None = None
+    ) -> Holes:
+        """Holes of a mesh that is a part of another one, in which they were found.
+
+        Args:
+            rims, islands: as the attributes, by the part's vertices.
+            stands: for each vertex the one that stands for it.
+        """
+        made = object.__new__(cls)
+        made._original, made._offsets, made._stands, made.joined, made._edges = corners, offsets, stands, None, None
+        made.corners = corners if stands is None else stands[corners]
+        made.mesh = vertices, offsets, made.corners
+        made.connected = _native.ConnectedMesh(*made.mesh)
+        made.rims, made.islands, made.outer, made.borders, made.refused = list(rims), list(islands), [], [], {}
+        made._edges = None if stands is None else made._doubled_edges()
+        return made
+
+    @property
+    def stands(self) -> Array | None:
+        """For each vertex of the mesh the one that stands for it; None: all do for themselves."""
+        return self._stands
+
     def _gather_islands(self) -> None:
         free = [k for k in range(len(self.rims)) if k not in self.refused]
         loops = [*(self.rims[k] for k in free), *self.outer]  # a piece that floats in a hole has an outer border

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import math
 import numbers
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from .messages import Message
@@ -57,6 +57,11 @@ class Refusal(ValueError):
         """The reason in the words of an interface; keywords as of `messages.wording`."""
         said = self.said
         return said.worded(**style) if isinstance(said, Message) else said
+
+    def renumbered(self, number: Callable[[int], int]) -> Refusal:
+        """The same of a mesh whose vertices have other numbers."""
+        where, messages = [number(v) for v in self.where], [each.renumbered(number) for each in self.messages]
+        return _again(type(self), tuple(messages), where) if messages else type(self)(self.reason, where)
 
     def __reduce__(self) -> tuple[Any, ...]:
         if self.messages:

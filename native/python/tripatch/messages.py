@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -110,6 +111,19 @@ class Message(str):
     def worded(self, **style: Any) -> str:
         """The sentence in the words of an interface; keywords as of `wording`."""
         return wording(self.code, self.parameters, self.where, **style)
+
+    def renumbered(self, number: Callable[[int], int]) -> Message:
+        """The same of a mesh whose vertices have other numbers."""
+        row = TABLE[self.code]
+        named = set(re.findall(r"\{(\w+):[Vv]ertices\}", row.sentence + row.panel))
+
+        def again(name: str, value: Any) -> Any:
+            if isinstance(value, Message):
+                return value.renumbered(number)
+            return [number(int(v)) for v in value] if name in named else value
+
+        parameters = {name: again(name, value) for name, value in self.parameters.items()}
+        return Message(self.code, parameters, [number(v) for v in self.where])
 
     def __reduce__(self) -> tuple[Any, ...]:
         """For pickle and copies."""

@@ -10,7 +10,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,13 +21,14 @@ from ..errors import out_of_range
 from ..filling import fill_all
 from ..holes import choose_holes
 from ..messages import Message
-from . import emit, inputs, journal, local, memory, pictures, record, scheduling
+from . import emit, inputs, journal, keeper, large, local, memory, parts, pictures, record, scheduling
 from .in_words import given
 from .progress import Progress
 from .settings import BATCH_OPTIONS, FILL, LIST, Settings
 
 DONE, NOTHING, USAGE, SOME, STOPPED = 0, 1, 2, 3, 130
 _WORST = 12  # seams in the picture
+_CUT = 500  # MB of a file: a mesh takes some twenty times as much where it is filled as a whole
 
 
 def _range(text: str) -> tuple[int, int]:
@@ -75,6 +76,7 @@ def add(commands: Any) -> None:
     limits = batch.add_argument_group(messages.label("limits_group"))
     limits.add_argument("--time-limit", type=_seconds, **shown("time_limit_flag"))
     limits.add_argument("--memory-limit", type=_whole(200, sys.maxsize >> 20), **shown("memory_limit_flag"))
+    limits.add_argument("--cut-above", type=_whole(0, sys.maxsize >> 20), default=_CUT, **shown("cut_above_flag", default=_CUT))
     limits.add_argument("--retries", type=_whole(0), default=1, **shown("retries_flag", default=1))
     batch.add_argument("--worst", type=_whole(0), **shown("worst_flag", default=_WORST))
     batch.add_argument("--blender", default="blender", **shown("blender_flag", default="blender"))
@@ -90,9 +92,9 @@ def _say(text: str) -> None:
 def _words(args: argparse.Namespace) -> list[str]:
     """What a portion of a farm needs of the command, as words."""
     words = [f"--root={args.root}"]
-    for name in ("time_limit", "memory_limit", "retries", "worst", "blender", "addon"):
+    for name in ("time_limit", "memory_limit", "cut_above", "retries", "worst", "blender", "addon"):
         value = getattr(args, name)
-        if value is not None and (name, value) not in (("retries", 1), ("blender", "blender")):
+        if value is not None and (name, value) not in (("cut_above", _CUT), ("retries", 1), ("blender", "blender")):
             words += given({name: value})
     return words + given(args.options)
 
@@ -150,12 +152,36 @@ def _run(args: argparse.Namespace, found: Sequence[Path], settings: Settings) ->
         progress.add(list(found.values()))
 
     before = [{key: entry["output_sha256"] for key, entry in each.items()} for each in known]
+    workers = 1 if args.range else args.workers
+
+    def run_parts(tasks: Iterator[parts.Task]) -> parts.Answers:
+        if args.scheduler:
+            return scheduling.run_parts(tasks, settings, args.scheduler)
+        return local.run_parts(tasks, settings, workers)
+
+    def cut(k: int) -> bool:
+        """Whether a file was filled in parts."""
+        if not large.is_cut(found[k], settings, args.cut_above * 10**6):
+            return False
+        with keeper.Keeper(settings) as kept:
+            entry = large.work(found[k], settings, before[k], run_parts, progress.parts(found[k].name))
+            if entry:
+                kept.keep(entry, str(found[k]), before[k])
+                take([(k, entry)])
+        return entry is not None
+
     stopped = False
     try:
-        if args.scheduler:
-            scheduling.run(found, settings, before, take, args.scheduler)
-        else:
-            local.run(found, settings, before, take, 1 if args.range else args.workers)
+        whole = [k for k in range(len(found)) if not cut(k)]
+
+        def take_whole(done: list[tuple[int, dict[str, Any]]]) -> None:
+            take([(whole[i], entry) for i, entry in done])
+
+        left, journals = [found[k] for k in whole], [before[k] for k in whole]
+        if left and args.scheduler:
+            scheduling.run(left, settings, journals, take_whole, args.scheduler)
+        elif left:
+            local.run(left, settings, journals, take_whole, workers)
     except KeyboardInterrupt:
         stopped = True
     finally:
@@ -229,9 +255,12 @@ def _end(args: argparse.Namespace, entries: Sequence[dict[str, Any]], settings: 
     print(Message("lines_written", {"path": str(lines)}))
     total = sum(line["status"] == record.FILLED for entry in entries for line in entry["lines"][1:])
     shown = _WORST if args.worst is None else args.worst
+    # for a picture a file is read as a whole
+    least = args.cut_above * 10**6
+    seen = [entry for entry in entries if not large.is_cut(Path(settings.root, entry["name"]), settings, least)]
     if shown and total:
         try:
-            if pictures.sheet(out / journal.SHEET, pictures.worst(entries, shown), settings, total):
+            if pictures.sheet(out / journal.SHEET, pictures.worst(seen, shown), settings, total):
                 print(Message("sheet_written", {"path": str(out / journal.SHEET)}))
         except ImportError:
             needed = {"what": "--worst", "package": "Pillow", "install": "'tripatch[batch]'"}

@@ -6,6 +6,7 @@ import hashlib
 import os
 import stat
 import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -47,18 +48,9 @@ def work(path: str, settings: Settings, done_before: dict[str, Any] | None = Non
     begun = time.monotonic()
     file = Path(path)
     name = file.relative_to(settings.root).as_posix()
-    try:
-        if not stat.S_ISREG(file.stat().st_mode):  # a pipe would keep its reader waiting
-            raise OSError(Message("not_a_regular_file"))
-        with file.open("rb") as opened:
-            sha256 = hashlib.file_digest(opened, "sha256").hexdigest()
-    except OSError as error:
-        reason: str = Message("file_unreadable", {"path": name, "reason": because(error)})
-        return entry(settings, name, None, [record.of_file(settings, name, status=record.UNREADABLE, reason=reason)], begun)
-    out = Path(settings.out, name)
-    key, before = record.key(settings, name, sha256), done_before or {}
-    if settings.mode == FILL and key in before and (before[key] is None or sha256_of(out) == before[key]):
-        return {"again": key}
+    sha256, known = opened(file, name, settings, done_before, begun)
+    if known is not None:
+        return known
     if file.suffix.lower() == ".blend":
         from . import blender
 
@@ -70,6 +62,24 @@ def work(path: str, settings: Settings, done_before: dict[str, Any] | None = Non
     except MemoryError:
         status, reason = record.MEMORY_LIMIT, memory_reason(settings)
     return entry(settings, name, sha256, [record.of_file(settings, name, sha256=sha256, status=status, reason=reason)], begun)
+
+
+def opened(
+    file: Path, name: str, settings: Settings, done_before: dict[str, Any] | None, begun: float
+) -> tuple[str, dict[str, Any] | None]:
+    """The SHA-256 of a file's content, and an entry of the journal if there is nothing to do."""
+    try:
+        if not stat.S_ISREG(file.stat().st_mode):  # a pipe would keep its reader waiting
+            raise OSError(Message("not_a_regular_file"))
+        with file.open("rb") as content:
+            sha256 = hashlib.file_digest(content, "sha256").hexdigest()
+    except OSError as error:
+        reason: str = Message("file_unreadable", {"path": name, "reason": because(error)})
+        return "", entry(settings, name, None, [record.of_file(settings, name, status=record.UNREADABLE, reason=reason)], begun)
+    key, before = record.key(settings, name, sha256), done_before or {}
+    if settings.mode == FILL and key in before and (before[key] is None or sha256_of(Path(settings.out, name)) == before[key]):
+        return sha256, {"again": key}
+    return sha256, None
 
 
 def memory_reason(settings: Settings) -> str:
@@ -116,12 +126,6 @@ def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, 
     mesh = files.read(file)
     vertices, faces = mesh.vertices, mesh.faces
     holes = borders.find(vertices, faces, **settings.choosing())
-    meant = {loop[0]: k for k, loop in enumerate(holes.rims)}
-    inside = {loop[0] for islands in holes.islands for loop in islands}  # filled with the hole around them
-    loops = [loop for loop in holes.borders if loop[0] not in inside]
-    others = [loop for loop in loops if loop[0] not in meant]
-    reasons = _left(holes, others, settings) if others else {}
-    refusals = holes.connected.refusals(holes.rims) if settings.mode == LIST else []
     results: list[Any] = []
     try:
         if holes.rims and settings.mode != LIST:
@@ -129,35 +133,70 @@ def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, 
     except Refusal as refusal:  # of what is asked for, not of one hole
         results = [refusal] * len(holes.rims)
     if settings.mode == CROP:
+        loops, meant = filled_loops(holes), {loop[0]: k for k, loop in enumerate(holes.rims)}
         return {"crops": [crops.of_fill(vertices, faces, results[meant[int(loops[k][0])]]) for _, k, _ in wanted]}
 
-    sharp = _creases(vertices, faces, results)
-    lines = []
-    for k, loop in enumerate(loops):
-        first = int(loop[0])
-        place = {"hole": k, "vertex": first, "edges": len(loop), "diameter": _diameter(vertices[loop])}
-        if first not in meant:
-            left = {"outer": first not in reasons, "reason": reasons.get(first, OUTER)}
-            line = record.of_hole(settings, name, **place, **left, status=record.LEFT)
-        elif settings.mode == LIST:
-            no_hole = holes.refused.get(meant[first]) or refusals[meant[first]]
-            line = record.of_hole(settings, name, no_hole, **place, **({} if no_hole else {"status": record.LISTED}))
-        else:
-            line = record.of_hole(settings, name, results[meant[first]], **place, crease_max=sharp[meant[first]])
-        lines.append(line)
+    sharp = largest_creases(vertices, faces, results)
+
+    def line(k: int) -> dict[str, Any]:
+        return record.of_hole(settings, name, results[k], crease_max=sharp[k])
+
+    lines = lines_of_holes(holes, vertices, settings, name, line)
     values = {"sha256": sha256, "vertices": len(vertices), "faces": len(faces), **record.outcome(lines)}
     if not len(faces):
         values["reason"] = str(files.without_faces(len(vertices)))
     if values["filled"]:
         obstacle = _obstacle(mesh, [r for r in results if not isinstance(r, Refusal)], name, settings)
         if obstacle:
-            line = record.of_file(settings, name, sha256=sha256, status=record.NOT_WRITTEN, reason=obstacle)
-            return entry(settings, name, sha256, [line], begun)
+            failed = record.of_file(settings, name, sha256=sha256, status=record.NOT_WRITTEN, reason=obstacle)
+            return entry(settings, name, sha256, [failed], begun)
         values["output"] = name
     return entry(settings, name, sha256, [record.of_file(settings, name, **values), *lines], begun)
 
 
-def _creases(vertices: Array, faces: Any, results: list[Any]) -> dict[int, float | None]:
+def filled_loops(holes: borders.Holes) -> list[Any]:
+    """The borders that have a line: not those that are filled with the hole around them."""
+    inside = {loop[0] for islands in holes.islands for loop in islands}
+    return [loop for loop in holes.borders if loop[0] not in inside]
+
+
+def lines_of_holes(
+    holes: borders.Holes,
+    vertices: Array,
+    settings: Settings,
+    name: str,
+    line_of: Callable[[int], dict[str, Any]],
+    number: Callable[[int], int] = int,
+) -> list[dict[str, Any]]:
+    """The lines of all holes of a file.
+
+    Args:
+        line_of: what is said of the k-th of `holes.rims`, but for its place.
+        number: of a vertex in the file.
+    """
+    meant = {loop[0]: k for k, loop in enumerate(holes.rims)}
+    loops = filled_loops(holes)
+    others = [loop for loop in loops if loop[0] not in meant]
+    reasons = _left(holes, others, settings) if others else {}
+    refusals = holes.connected.refusals(holes.rims) if settings.mode == LIST else []
+    lines = []
+    for k, loop in enumerate(loops):
+        first = int(loop[0])
+        place = {"hole": k, "vertex": number(first), "edges": len(loop), "diameter": _diameter(vertices[loop])}
+        if first not in meant:
+            left = {"outer": first not in reasons, "reason": reasons.get(first, OUTER)}
+            line = record.of_hole(settings, name, **left, status=record.LEFT)
+        elif settings.mode == LIST:
+            no_hole = holes.refused.get(meant[first]) or refusals[meant[first]]
+            said = {} if no_hole else {"status": record.LISTED}
+            line = record.of_hole(settings, name, no_hole and no_hole.renumbered(number), **said)
+        else:
+            line = line_of(meant[first])
+        lines.append(line | record.plain(place))
+    return lines
+
+
+def largest_creases(vertices: Array, faces: Any, results: Sequence[Any]) -> dict[int, float | None]:
     """By the place in `results`."""
     made = [k for k, result in enumerate(results) if not isinstance(result, Refusal)]
     fills = [(results[k].vertices, results[k].faces, np.asarray(results[k].rim, np.int64)) for k in made]

@@ -24,7 +24,7 @@ class Stopped(Exception):
     """Nobody wants to know any more."""
 
 
-class _Ended(Exception):
+class Ended(Exception):
     """The process is gone; says why."""
 
     def __init__(self, status: str, reason: str) -> None:
@@ -68,15 +68,19 @@ class Keeper:
     def work(self, path: str, done_before: dict[str, Any] | None = None) -> dict[str, Any]:
         """`job.work`, whatever becomes of the process; what it answers is in a journal by then."""
         entry = self._worked(path, done_before)
+        self.keep(entry, path, done_before)
+        return entry
+
+    def keep(self, entry: dict[str, Any], path: str, done_before: dict[str, Any] | None) -> None:
+        """Puts what became of a file into a journal."""
         if not self._journal:
-            return entry
+            return
         before = done_before or {}
         known, result = (True, before[entry["again"]]) if "again" in entry else (entry["key"], entry["output_sha256"])
         if known and not result:
             self._remove_old(path, before)
         if "again" not in entry:
             self._journal.add(entry)
-        return entry
 
     def _remove_old(self, path: str, before: dict[str, Any]) -> None:
         """Of a file that has no result: what a run with other options, or with another content, has written for it."""
@@ -87,25 +91,37 @@ class Keeper:
 
     def _worked(self, path: str, done_before: dict[str, Any] | None) -> dict[str, Any]:
         begun = time.monotonic()
-        for trial in range(self._settings.retries + 1):
-            try:
-                entry: dict[str, Any] = self.call("tripatch.batch.job", "work", path, self._settings, done_before)
-                return entry
-            except _Ended as end:
-                if self._stopped:
-                    raise Stopped from None
-                status, reason = end.status, end.reason
-                if status == record.TIME_LIMIT or trial == self._settings.retries:
-                    break
+        try:
+            entry: dict[str, Any] = self.tried("tripatch.batch.job", "work", path, self._settings, done_before)
+            return entry
+        except Ended as end:
+            status, reason = end.status, end.reason
         name = Path(path).relative_to(self._settings.root).as_posix()
         line = record.of_file(self._settings, name, sha256=job.sha256_of(Path(path)), status=status, reason=reason)
         return job.entry(self._settings, name, line["sha256"], [line], begun)
+
+    def tried(self, module: str, function: str, *arguments: Any) -> Any:
+        """As `call`, with further tries after a crash.
+
+        Raises:
+            Ended: none came to an end.
+            Stopped: nobody wants to know any more.
+        """
+        for trial in range(self._settings.retries + 1):
+            try:
+                return self.call(module, function, *arguments)
+            except Ended as end:
+                if self._stopped:
+                    raise Stopped from None
+                if end.status == record.TIME_LIMIT or trial == self._settings.retries:
+                    raise
+        raise AssertionError
 
     def call(self, module: str, function: str, *arguments: Any) -> Any:
         """The value of a function, computed by the process.
 
         Raises:
-            _Ended: the process is gone, or the function has failed.
+            Ended: the process is gone, or the function has failed.
         """
         if self._done >= self._settings.recycle:
             self.close()
@@ -140,9 +156,9 @@ class Keeper:
                 timer.cancel()
         if not good and answer == "MemoryError":
             self.close()
-            raise _Ended(record.MEMORY_LIMIT, job.memory_reason(self._settings))
+            raise Ended(record.MEMORY_LIMIT, job.memory_reason(self._settings))
         if not good:
-            raise _Ended(record.CRASHED, Message("failed_on_file", {"reason": str(answer)}))
+            raise Ended(record.CRASHED, Message("failed_on_file", {"reason": str(answer)}))
         return answer
 
     def stop(self) -> None:
@@ -183,7 +199,7 @@ class Keeper:
         self._watch = memory.Watch(self._process.pid, self._settings.memory_limit, functools.partial(_kill, self._process))
         return self._process
 
-    def _ended(self, late: bool) -> _Ended:
+    def _ended(self, late: bool) -> Ended:
         process = self._process
         assert process is not None
         if process.poll() is None:
@@ -195,12 +211,12 @@ class Keeper:
         lines = self._said.read().decode(errors="replace").strip().splitlines()
         self.close()
         if self._watch.found:
-            return _Ended(record.MEMORY_LIMIT, job.memory_reason(self._settings))
+            return Ended(record.MEMORY_LIMIT, job.memory_reason(self._settings))
         if late:
-            return _Ended(record.TIME_LIMIT, Message("time_not_enough", {"seconds": f"{self._settings.time_limit:g}"}))
+            return Ended(record.TIME_LIMIT, Message("time_not_enough", {"seconds": f"{self._settings.time_limit:g}"}))
         if code < 0:  # Windows has no signals, not even their numbers
             said = {"signal": signal.Signals(-code).name}
             said |= {"memory": "1"} if said["signal"] == "SIGKILL" else {}
         else:
             said = {"code": str(code)} | ({"reason": lines[-1][:200]} if lines else {})
-        return _Ended(record.CRASHED, Message("process_ended", {"program": "TriPatch", **said}))
+        return Ended(record.CRASHED, Message("process_ended", {"program": "TriPatch", **said}))

@@ -5,19 +5,58 @@ from __future__ import annotations
 import dataclasses
 import os
 import queue
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, as_completed, wait
 from pathlib import Path
 from typing import Any
 
 from . import inputs
 from .keeper import Keeper
+from .parts import Answers, Task
 from .settings import Settings
 
 
 def cores() -> int:
     """Those that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def run_parts(tasks: Iterator[Task], settings: Settings, workers: int | None) -> Answers:
+    """Has parts of a mesh filled: of each its place and what became of it, as they are done. Few are held at a time.
+
+    Raises:
+        Ended: the process of a part, again and again.
+    """
+    number = max(1, cores() if workers is None else workers)
+    settings = dataclasses.replace(settings, threads=max(1, cores() // number))
+    keepers = [Keeper(settings) for _ in range(number)]
+    free: queue.SimpleQueue[Keeper] = queue.SimpleQueue()
+    for keeper in keepers:
+        free.put(keeper)
+
+    def work(place: int, task: Task) -> tuple[int, Any]:
+        keeper = free.get()
+        try:
+            return place, keeper.tried("tripatch.batch.parts", "fill", task, settings)
+        finally:
+            free.put(keeper)
+
+    pool, waiting = ThreadPoolExecutor(number), set[Future[Any]]()
+    try:
+        for place, task in enumerate(tasks):
+            waiting.add(pool.submit(work, place, task))
+            if len(waiting) > number:
+                done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+                yield from (each.result() for each in done)
+        for each in as_completed(waiting):
+            yield each.result()
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for keeper in keepers:
+            keeper.stop()
+        pool.shutdown()
+        for keeper in keepers:
+            keeper.__exit__()
 
 
 def run(

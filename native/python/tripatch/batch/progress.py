@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import sys
 import time
+from collections.abc import Callable
 from typing import Any
 
 from ..messages import Message
@@ -42,6 +43,19 @@ class Progress:
         if now - self._said >= (_BAR if self._terminal else _LINES):
             self._said = now
             self._say(now)
+
+    def parts(self, name: str) -> Callable[[int, int], None]:
+        """What is to be told how many parts of a file are filled."""
+
+        def tell(done: int, parts: int) -> None:
+            now = time.monotonic()
+            if now - self._said >= (_BAR if self._terminal else _LINES) or done == parts:
+                self._said = now
+                text = Message("parts_progress", {"done": done, "parts": parts, "file": name})
+                end = "" if self._terminal else "\n"
+                print(f"\r{text}" if self._terminal else f"tripatch: {text}", end=end, file=self._stream, flush=True)
+
+        return tell
 
     def end(self) -> None:
         """The last word, which also stands where there is no terminal."""

@@ -10,14 +10,15 @@ from __future__ import annotations
 import contextlib
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from .. import __version__
 from ..messages import Message
 from . import inputs, job, record
-from .keeper import Keeper
+from .keeper import Ended, Keeper
+from .parts import Answers, Task
 from .settings import Settings
 
 #: Seconds after which a process that has nothing to do ends: a worker of somebody else's may live for weeks.
@@ -66,6 +67,56 @@ def do_portion(portion: list[tuple[int, str, dict[str, Any] | None]], settings: 
         raise SchedulerError(Message("other_version", {"found": __version__, "wanted": settings.version}))
     with _a_keeper(settings) as keeper:
         return [(k, keeper.work(path, before)) for k, path, before in portion]
+
+
+def do_part(task: Task, settings: Settings) -> Any:
+    """What became of a part of a mesh, or the status and the reason of its end."""
+    with _a_keeper(settings) as keeper:
+        try:
+            return keeper.tried("tripatch.batch.parts", "fill", task, settings)
+        except Ended as end:
+            return end.status, str(end)
+
+
+def run_parts(tasks: Iterator[Task], settings: Settings, address: str) -> Answers:
+    """As `local.run_parts`, by the workers of a scheduler.
+
+    Raises:
+        SchedulerError: as of `run`.
+        Ended: a part cost too many workers.
+    """
+    client = _client(address)
+    from distributed import KilledWorker, as_completed
+
+    waiting, places = as_completed(raise_errors=False), dict[str, int]()
+    ahead = 2 * max(1, len(client.scheduler_info(n_workers=-1)["workers"]))
+
+    def one() -> tuple[int, Any]:
+        future = next(waiting)
+        place, error = places.pop(future.key), future.exception() if future.status == "error" else None
+        if isinstance(error, KilledWorker):
+            raise Ended(record.CRASHED, Message("workers_lost"))
+        if error:
+            raise error
+        if future.status != "finished":
+            raise SchedulerError(Message("scheduler_gone", {"address": address}))
+        answer = future.result()
+        if isinstance(answer, tuple):
+            raise Ended(*answer)
+        return place, answer
+
+    try:
+        for place, task in enumerate(tasks):
+            future = client.submit(do_part, task, settings, pure=False, retries=settings.retries)
+            places[future.key] = place
+            waiting.add(future)
+            if len(places) > ahead:
+                yield one()
+        while places:
+            yield one()
+    finally:
+        with contextlib.suppress(Exception):
+            client.close(timeout=5)
 
 
 def _client(address: str) -> Any:
