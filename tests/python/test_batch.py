@@ -26,6 +26,7 @@ from tripatch.batch import command, creases, inputs, job, journal, keeper, local
 from tripatch.batch.settings import Settings
 
 distributed = pytest.importorskip("distributed")
+psutil = pytest.importorskip("psutil")  # distributed needs it
 
 
 def run(capsys, *args):
@@ -319,11 +320,11 @@ def in_child(monkeypatch, tmp_path, text):
 _BAD = """
 import os, sys
 if "tripatch.batch.child" in " ".join(sys.orig_argv):
-    import ctypes, time
+    import faulthandler, time
     from tripatch import files
     def read(path, own=files.read):
         if "crash" in path.name:
-            ctypes.string_at(1)
+            faulthandler._read_null()
         if "sleep" in path.name:
             time.sleep(100)
         if "huge" in path.name:
@@ -352,26 +353,30 @@ def take_all():
 def test_a_crash_and_limits_cost_that_file_only(tmp_path, capsys, monkeypatch):
     in_child(monkeypatch, tmp_path, _BAD)
     source = spheres(tmp_path / "in", 5)
-    for k, name in enumerate(("a-crash", "b-sleep", "c-huge", "d-once")):
+    for k, name in enumerate(("a-crash", "b-sleep", "c-huge" if memory.LIMITS else "c", "d-once")):
         (source / f"m{k:03}.obj").rename(source / f"{name}.obj")
     options = ["--workers", 0, "--worst", 0, "--time-limit", 6, "--memory-limit", 800]
     code, out, _ = run(capsys, source, "--out", tmp_path / "out", *options)
     assert code == 3
-    assert "3 files failed (1 crashed, 1 memory limit, 1 time limit)" in out
     made = heads(tmp_path / "out")
-    assert made["a-crash.obj"]["reason"] == "TriPatch ended by signal SIGSEGV"
+    crash = "by signal SIGSEGV" if os.name == "posix" else "with code 0xC0000005"
+    assert made["a-crash.obj"]["reason"] == f"TriPatch ended {crash}"
     assert made["b-sleep.obj"]["reason"] == "It took more than 6 s"
-    assert made["c-huge.obj"]["reason"] == "The memory of 800 MB that a file may use was not enough"
+    if memory.LIMITS:
+        assert "3 files failed (1 crashed, 1 memory limit, 1 time limit)" in out
+        assert made["c-huge.obj"]["reason"] == "The memory of 800 MB that a file may use was not enough"
+    else:
+        assert "2 files failed (1 crashed, 1 time limit)" in out
     assert made["d-once.obj"]["status"] == made["m004.obj"]["status"] == "filled"  # tried again
     again = run(capsys, source, "--out", tmp_path / "out", *options)[2]
-    assert "2 done before" in again  # what failed is tried again
+    assert f"{2 if memory.LIMITS else 3} done before" in again  # what failed is tried again
 
 
 def test_the_end_of_a_process_is_told_where_there_are_no_signals(tmp_path, capsys, monkeypatch):
     in_child(monkeypatch, tmp_path, _BAD)
     source = spheres(tmp_path / "in", 1)
     (source / "m000.obj").rename(source / "once.obj")
-    monkeypatch.delattr(signal, "SIGKILL")  # as on Windows
+    monkeypatch.delattr(signal, "SIGKILL", raising=False)  # as on Windows
     monkeypatch.setattr(keeper, "_kill_group", lambda process: None)
     assert run(capsys, source, "--out", tmp_path / "out", "--workers", 0, "--worst", 0, "--retries", 0)[0] == 1
     assert heads(tmp_path / "out")["once.obj"]["reason"] == "TriPatch ended with code 7"
@@ -417,9 +422,11 @@ time.sleep(100)
 
 def is_gone(pid):
     """Within some seconds; a process that nobody has waited for yet counts as gone."""
-    state = Path(f"/proc/{pid}/stat")
     for _ in range(200):
-        if not state.exists() or state.read_text().rpartition(")")[2].split()[0] == "Z":
+        try:
+            if psutil.Process(pid).status() == psutil.STATUS_ZOMBIE:
+                return True
+        except psutil.NoSuchProcess:
             return True
         time.sleep(0.02)
     return False

@@ -218,5 +218,6 @@ class Keeper:
             said = {"signal": signal.Signals(-code).name}
             said |= {"memory": "1"} if said["signal"] == "SIGKILL" else {}
         else:
-            said = {"code": str(code)} | ({"reason": lines[-1][:200]} if lines else {})
+            shown = f"0x{code:08X}" if code > 0xFFFF else str(code)  # of an exception of Windows, as its manuals write it
+            said = {"code": shown} | ({"reason": lines[-1][:200]} if lines else {})
         return Ended(record.CRASHED, Message("process_ended", {"program": "TriPatch", **said}))

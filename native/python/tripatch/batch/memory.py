@@ -12,7 +12,7 @@ from pathlib import Path
 _LOOK = 1.0
 
 
-#: Whether the system lets a process be limited: Windows has no call for it, and macOS ignores it.
+#: Whether a process can limit itself: Windows has limits for jobs of processes only, and macOS ignores its own.
 LIMITS = sys.platform not in ("win32", "darwin")
 
 
