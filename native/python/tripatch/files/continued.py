@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from typing import Any
@@ -35,7 +36,7 @@ class Continued:
         vertex; edges: the face at some edges, whose lower end comes first."""
         self._edges = edges or {}
         self._vertices, self._face, self._count = vertices, face, len(vertices)
-        self._new = [list(map(int, face)) for face in fill.faces]
+        self._faces = fill.faces
         rim = list(map(int, fill.rim))
         counts = getattr(fill, "loops", None) or [len(rim)]  # islands follow the outer loop
         loops = [sum(counts[:k]) for k in range(len(counts))] if rim else []
@@ -48,12 +49,31 @@ class Continued:
         self._places = np.concatenate([vertices[rim], fill.vertices]) if rim else fill.vertices
         self._blend, nearest = self._blend_of(fill, vertices)
         self.near = np.array(rim, int)[nearest] if rim else np.zeros(len(fill.vertices), int)
-        place = {v: k for k, v in enumerate(rim)}
-        self._at = [[place.get(v, v - self._count + len(rim)) for v in face] for face in self._new]
         self.model: list[int] = []
         if rim and all(f >= 0 for f in self._around):
             shares = Shares([look(f) for f in self._around], self._blend, self._next)
-            self.model = [self._around[self._edge_like(shares, at, nearest)] for at in self._at]
+            self.model = self._models_alike(nearest) if len(shares.kinds) == 1 else []
+            self.model = self.model or [self._around[self._edge_like(shares, at, nearest)] for at in self._at]
+
+    @functools.cached_property
+    def _at(self) -> list[list[int]]:
+        """The corners of the new faces: places in the rim, and the new vertices after them."""
+        place, first = {v: k for k, v in enumerate(self._rim)}, self._count - len(self._rim)
+        return [[place.get(v, v - first) for v in map(int, face)] for face in self._faces]
+
+    def _models_alike(self, nearest: Array) -> list[int]:
+        """`model` where all faces around are alike; empty where the new faces have different numbers of corners."""
+        if not isinstance(self._faces, np.ndarray):
+            return []
+        rim, count = np.array(self._rim), len(self._rim)
+        order = np.argsort(rim)
+        place = order[np.minimum(np.searchsorted(rim, self._faces, sorter=order), count - 1)]
+        at = np.where(rim[place] == self._faces, place, self._faces - (self._count - count))
+        highest = at.max(axis=1)
+        edges = at.min(axis=1)
+        edges[highest >= count] = nearest[highest[highest >= count] - count]
+        models: list[int] = np.array(self._around)[edges].tolist()
+        return models
 
     def _face_at(self, a: int, b: int, at: Any) -> int:
         found = self._edges.get((min(a, b), max(a, b)))
