@@ -138,7 +138,10 @@ class Construction:
         """The method and whether it is made fair."""
         method, fairing = (properties.label(OPTIONS[name]) for name in ("method", "fairing"))
         row.choices("method", properties.METHODS, heading=method)
-        row.choices("fairing", properties.FAIRING, heading=fairing, active=not self.why_not("fairing"))
+        energies = {name: called for name, called in properties.FAIRING.items() if name != "isometric"}
+        row.choices("fairing", energies, heading=fairing, active=not self.why_not("fairing"))
+        isometric = {"isometric": properties.FAIRING["isometric"]}  # of any fill, whether it has sides or not
+        row.choices("fairing", isometric, heading=" ", active=self.why_not("fairing") != "vertices")
         self.why_rows(row, {"fairing": fairing})
 
     def papers_rows(self, row):

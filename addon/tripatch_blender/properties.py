@@ -36,7 +36,7 @@ def method_label(name):
 
 
 #: Fairing as a panel has it: an energy of a paper, or simply on or off.
-FAIRING = {name: called for name, called, _ in library.items("fairing", "auto", "none")}
+FAIRING = {name: called for name, called, _ in library.items("fairing", "auto", "isometric", "none")}
 
 
 def seen(option):

@@ -108,6 +108,7 @@ void bind_patches(py::module_& m) {
           "_energy",
           [](const Surface& surface, const std::string& name) {
             const Fairing of = named<Fairing>(name, "energy");
+            if (of == Fairing::isometric) refuse_isometric();
             if (const auto* polygon = dynamic_cast<const PolygonSurface*>(&surface))
               return polygon_energy(surface, polygon->domain(), of, polygon_size(surface, polygon->domain()));
             if (dynamic_cast<const RoundSurface*>(&surface)) return round_energy(surface, of);

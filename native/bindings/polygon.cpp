@@ -25,8 +25,14 @@ py::tuple triangles_from(const F& make) {
   return py::make_tuple(array_from(made.uv), triangles);
 }
 
-PolygonPatchOptions asked_of_polygon(const FillOptions& asked) {
+/// Of sides alone.
+void check_asked(const FillOptions& asked) {
   check_taken(asked);
+  if (asked.fairing == Fairing::isometric) refuse_isometric();
+}
+
+PolygonPatchOptions asked_of_polygon(const FillOptions& asked) {
+  check_asked(asked);
   return polygon_options(asked);
 }
 
@@ -86,7 +92,7 @@ void bind_polygon(py::module_& m) {
   });
   m.def("_ring_patch", [](const std::array<Side, 2>& sides, const py::dict& given, const py::object& progress) {
     const FillOptions asked = fill_options(given);
-    check_taken(asked);
+    check_asked(asked);
     check_count(asked.continuity, 2, "continuity");
     const std::vector<SideContinuity> continuity = asked.continuity.values();
     std::shared_ptr<OverAnnulus> made;

@@ -20,6 +20,7 @@
 #include "tripatch/hole/near_duplicate_borders.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/isometry/isometric_fill.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
 #include "tripatch/mesh/edge_key.h"
@@ -57,6 +58,12 @@ void check_three(const FillOptions& options, const Corners& corners) {
 }
 
 Fill fill_one_hole(const Mesh& mesh, const FillOptions& options);
+
+/// Of what vertices are moved in, and of cages, which are not.
+FillOptions to_be_moved(FillOptions options) {
+  if (options.fairing == Fairing::isometric) options.fairing = Fairing::automatic;
+  return options;
+}
 
 Fill fill_as_asked(const FillContext& context, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                    const FillOptions& options) {
@@ -111,8 +118,9 @@ void measure_gap(const Mesh& mesh, Fill& fill) {
 
 Fill fill_by_method(const FillContext& context, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                     const FillOptions& options) {
-  Fill fill = fill_as_asked(context, rim, corners, options);
+  Fill fill = fill_as_asked(context, rim, corners, to_be_moved(options));
   lean(context.planes, fill);
+  if (options.fairing == Fairing::isometric) make_isometric(context.mesh, context.left, sizes_of(options.islands), fill);
   refuse_infinite(fill, fill.rim);
   Report& report = fill.report;
   if (report.triangles_folded > 0 && report.method != spline_method)
@@ -146,6 +154,9 @@ void check_for_holes(const FillOptions& options) {
   const bool meets = options.method == automatic_method || std::ranges::count(find_method(options.method).lacks, "through") == 0;
   if (!options.through.empty()) check_met("through", {automatic_method, polygon_method, spline_method}, meets, options);
   check_taken(options);
+  if (options.fairing == Fairing::isometric && options.surroundings == SurroundingsFrom::limit) refuse_isometric();
+  if (options.fairing == Fairing::isometric && !options.through.empty())
+    throw CodedArgument(Code::options_exclusive, {{"first", "fairing"}, {"second", "through"}});
   if (options.cap != Cap::automatic) check_met("cap", {automatic_method}, options.method == automatic_method, options);
   if ((options.method == spline_method || options.method == rows_method || options.method == annulus_method) &&
       options.output == Output::cage)
@@ -221,7 +232,8 @@ SidedRim cage_rim_for(const FillContext& context, const std::optional<std::vecto
 Fill fill_as_it_is(const Mesh& mesh, const FillOptions& options) {
   FillContext context(mesh, options.rim, options);
   if (options.output == Output::cage)
-    return std::move(fill_with_cages(context, {cage_rim_for(context, options.rim, options.corners, options)}, options)[0]);
+    return std::move(
+        fill_with_cages(context, {cage_rim_for(context, options.rim, options.corners, options)}, to_be_moved(options))[0]);
   const auto filled = [&] { return fill_by_method(context, options.rim, options.corners, options); };
   Fill fill = filled();
   Fill* const only = &fill;
@@ -325,7 +337,7 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
         results[k] = refused(refusal);
       }
     }
-    fill_all_with_cages(context, holes, options, results, progress);
+    fill_all_with_cages(context, holes, to_be_moved(options), results, progress);
     return results;
   }
   const auto filled = [&](std::size_t k) { return fill_by_method(context, rims[k], corners_at(k), options); };

@@ -174,7 +174,7 @@ std::vector<std::string> not_taken(const Method& method, const FillOptions& give
   static const FillOptions plain;
   std::vector<std::string> names;
   const auto look = [&](const char* name, bool is_given) {
-    if (!is_given) return;
+    if (!is_given || (name == std::string("fairing") && given.fairing == Fairing::isometric)) return;  // moves any vertices
     const Option& option = option_named(name);
     if ((option.patch || !patch) && is_of_output(option, given.output) && !takes(method, option)) names.emplace_back(name);
   };
@@ -269,6 +269,7 @@ std::map<std::string, std::string> not_applied(const FillOptions& given, const F
     if (!is_of_output(option, given.output)) return "output";
     const bool moves = name == "bulge" || name == "tension" || name == "center" || name == "center_offset";
     if (fill.vertices.rows() == 0 && (moves || name == "fairing")) return "vertices";
+    if (name == "fairing" && given.fairing == Fairing::isometric) return given.output == Output::cage ? "output" : "";
     if (name == "continuity" && given.method == automatic_method && !sided) return "";  // met in position only, by another
     if (name == "corners") return sided && fill.report.corners.size() > 1 ? "" : "sides";
     if (!takes(method, option)) {
@@ -301,6 +302,10 @@ std::span<const Option> options() {
 #include "tripatch/options.def"
   };
   return all;
+}
+
+void refuse_isometric() {
+  throw CodedArgument(Code::value_needs_mesh, {{"option", "fairing"}, {"value", name_of(Fairing::isometric)}});
 }
 
 void check(const FillOptions& given) {

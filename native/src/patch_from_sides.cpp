@@ -101,6 +101,7 @@ MadePatch patch_with_fewest_folds(const Sides& sides, const Method& method, cons
 
 MadePatch patch_from_sides(const Sides& given, const FillOptions& options, const SurfacePoints* points) {
   check(options);
+  if (options.fairing == Fairing::isometric) refuse_isometric();
   const Method& method =
       find_method(options.method == automatic_method || options.method == polygon_method ? patch_method : options.method);
   if (!method.from_boundary)

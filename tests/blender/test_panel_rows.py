@@ -180,7 +180,7 @@ def test_the_choices_have_plain_words():
     ]
     assert methods["gordon_coons"] == "Gordon Coons (G0)" and methods["side_vertex"] == "Side Vertex (G1)"
     fairing = {i.identifier: i.name for i in properties["fairing"].enum_items}
-    assert fairing["auto"] == "On" and fairing["none"] == "Off"
+    assert (fairing["auto"], fairing["isometric"], fairing["none"]) == ("On", "Isometric", "Off")
 
 
 @pytest.mark.parametrize("method", tripatch.METHODS)

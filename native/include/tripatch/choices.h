@@ -86,14 +86,15 @@ inline constexpr std::array<Choice, 5> choices<SideContinuity> = {{
     {"G2", "Curvature", "Equal tangent planes and curvature (G2)"},
 }};
 
-enum class Fairing { automatic, thin_plate, third_derivative, minimum_variation, quadric_variation };
+enum class Fairing { automatic, thin_plate, third_derivative, minimum_variation, quadric_variation, isometric };
 template <>
-inline constexpr std::array<Choice, 5> choices<Fairing> = {{
+inline constexpr std::array<Choice, 6> choices<Fairing> = {{
     {"auto", "", "Least variation of curvature, or the nearest quadric if one fits"},
     {"thin_plate", "", "Least bending"},
     {"third_derivative", "", "Least change of bending"},
     {"minimum_variation", "", "Least variation of curvature; exact for spheres and cylinders"},
     {"quadric_variation", "", "Nearest to a quadric: ellipsoid, saddle, cone"},
+    {"isometric", "", "Least stretch, for cloth, paper and sheet metal: the fill unrolls flat with its surroundings"},
 }};
 
 enum class Output { triangles, quads, cage };

@@ -217,6 +217,10 @@ enum class Code : std::uint16_t {
   no_energy,
   loops_miscounted,
   rim_not_from_corner,
+  // Isometric fills
+  value_needs_mesh,
+  surroundings_do_not_unroll,
+  isometric_would_fold,
 };
 
 struct Message;

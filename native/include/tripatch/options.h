@@ -107,6 +107,9 @@ Messages told_of_not_taken(const FillOptions& given, const std::string& used);
 /// Whether all sides are to be met in position only.
 bool meets_position_only(const FillOptions& options);
 
+/// Throws InvalidArgument that says what the fairing of that name needs.
+[[noreturn]] void refuse_isometric();
+
 /// Throws InvalidArgument where a number is not finite or out of its range.
 void check(const FillOptions& options);
 void check(const MethodOptions& options);

@@ -361,6 +361,18 @@ void check_reach(double size, const Vec3& near, const FillOptions& options) {
     throw CodedRefusal(Code::center_too_far, {{"option", options.center ? "center" : "center_offset"}});
 }
 
+std::vector<std::vector<Index>> loops_of(const std::vector<Index>& rim, std::span<const std::size_t> islands) {
+  std::size_t outer = rim.size();
+  for (const std::size_t island : islands) outer -= island;
+  auto at = rim.begin() + static_cast<std::ptrdiff_t>(outer);
+  std::vector<std::vector<Index>> loops = {{rim.begin(), at}};
+  for (const std::size_t island : islands) {
+    loops.emplace_back(at, at + static_cast<std::ptrdiff_t>(island));
+    at += static_cast<std::ptrdiff_t>(island);
+  }
+  return loops;
+}
+
 void shape(const Mesh& mesh, const Connectivity& around, std::span<const std::size_t> islands, const FillOptions& options,
            Fill& fill) {
   if (!is_shaped(options) || !options.through.empty() || !can_be_shaped(fill)) return;
@@ -390,16 +402,7 @@ void shape(const Mesh& mesh, const Connectivity& around, std::span<const std::si
   }
   displace(by, fill, surface);
   set_normals(mesh, fill);
-  std::vector<std::vector<Index>> loops(1);
-  std::size_t outer = fill.rim.size();
-  for (const std::size_t island : islands) outer -= island;
-  auto at = fill.rim.begin() + static_cast<std::ptrdiff_t>(outer);
-  loops[0].assign(fill.rim.begin(), at);
-  for (const std::size_t island : islands) {
-    loops.emplace_back(at, at + static_cast<std::ptrdiff_t>(island));
-    at += static_cast<std::ptrdiff_t>(island);
-  }
-  measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, around, loops), fill.report);
+  measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, around, loops_of(fill.rim, islands)), fill.report);
 }
 
 }  // namespace tripatch

@@ -25,15 +25,11 @@ constexpr double steepest = 100, min_area = 1e-3;
 /// holes equally near to what was there, with 3 they are 2% farther.
 constexpr double softness_of_planes = 1.5;
 
-/// Of some triangles.
-struct Measures {
-  Sparse stiffness;       ///< the Laplacian by cotangents, positive on its diagonal
-  Eigen::VectorXd areas;  ///< of the vertices
-};
+}  // namespace
 
-Measures measured(const Points& points, const std::vector<std::array<Index, 3>>& triangles) {
+Laplacian cotangent_laplacian(const Points& points, const std::vector<std::array<Index, 3>>& triangles) {
   std::vector<Eigen::Triplet<double>> weights;
-  Measures out{Sparse(points.rows(), points.rows()), Eigen::VectorXd::Zero(points.rows())};
+  Laplacian out{Sparse(points.rows(), points.rows()), Eigen::VectorXd::Zero(points.rows())};
   for (const std::array<Index, 3>& t : triangles) {
     const Vec3 p[3] = {points.row(t[0]), points.row(t[1]), points.row(t[2])};
     const double twice = (p[1] - p[0]).cross(p[2] - p[0]).norm();
@@ -51,6 +47,8 @@ Measures measured(const Points& points, const std::vector<std::array<Index, 3>>&
   return out;
 }
 
+namespace {
+
 /// Columns that are solved for at once where all of them would take too much room.
 constexpr Index at_once = 32;
 
@@ -66,7 +64,7 @@ public:
   Bending(const Points& points, const std::vector<std::array<Index, 3>>& triangles,
           const std::vector<std::array<Index, 3>>& around, Index first, Index count)
       : first_(first), count_(count), areas_(points.rows()) {
-    const Measures own = measured(points, triangles), beyond = measured(points, around);
+    const Laplacian own = cotangent_laplacian(points, triangles), beyond = cotangent_laplacian(points, around);
     const Sparse stiffness = own.stiffness + beyond.stiffness;
     const double mean = std::max((own.areas + beyond.areas).sum(), 1e-300) /
                         static_cast<double>(std::max<std::size_t>(triangles.size() + around.size(), 1));

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "tripatch/mesh/connectivity.h"
 #include "tripatch/options.h"
@@ -22,6 +23,8 @@ FillOptions unshaped(FillOptions options);
 void check_reach(double size, const Vec3& near, const FillOptions& options);
 /// Whether there is anything to displace: new vertices at places in a plane domain.
 bool can_be_shaped(const Fill& fill);
+/// The loops of a rim, from the sizes of those after the first.
+std::vector<std::vector<Index>> loops_of(const std::vector<Index>& rim, std::span<const std::size_t> islands);
 /// Displaces the new vertices of a fill as bulge, tension and the center ask for; its patch with them. The rim and the tangent planes there
 /// stay. islands: sizes of the loops after the first of fill.rim. Values of bulge by side go by report.corners; as many as there are sides.
 void shape(const Mesh& mesh, const Connectivity& around, std::span<const std::size_t> islands, const FillOptions& options,

@@ -2,6 +2,7 @@
 // form, on the surface instead of the plane (Lindgren, Rue and Lindstroem 2011; as a way to fill holes Botsch and Kobbelt 2004).
 #pragma once
 
+#include <Eigen/SparseCore>
 #include <array>
 #include <memory>
 #include <optional>
@@ -10,6 +11,13 @@
 #include "tripatch/spline/disc.h"
 
 namespace tripatch {
+
+/// The Laplacian of triangles by cotangents (Pinkall and Polthier 1993).
+struct Laplacian {
+  Eigen::SparseMatrix<double> stiffness;  ///< positive on its diagonal
+  Eigen::VectorXd areas;                  ///< of the vertices
+};
+Laplacian cotangent_laplacian(const Points& points, const std::vector<std::array<Index, 3>>& triangles);
 
 /// Positions of the rows from `first` on, `count` of points (n x 3), that make an integral of the coordinates least: of the squared
 /// gradient (order 1), of the squared Laplacian (2) or of its squared gradient (3). It is computed by cotangents and areas of the
