@@ -9,6 +9,7 @@
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fill.h"
+#include "tripatch/loops/loops_patch.h"
 #include "tripatch/output/triangulate.h"
 #include "tripatch/polygon/fair.h"
 #include "tripatch/polygon/round.h"
@@ -112,7 +113,8 @@ void bind_patches(py::module_& m) {
             if (const auto* polygon = dynamic_cast<const PolygonSurface*>(&surface))
               return polygon_energy(surface, polygon->domain(), of, polygon_size(surface, polygon->domain()));
             if (dynamic_cast<const RoundSurface*>(&surface)) return round_energy(surface, of);
-            if (dynamic_cast<const OverAnnulus*>(&surface) || dynamic_cast<const PlanePatch*>(&surface))
+            if (dynamic_cast<const OverAnnulus*>(&surface) || dynamic_cast<const PlanePatch*>(&surface) ||
+                dynamic_cast<const LoopsSurface*>(&surface))
               throw CodedArgument(Code::no_energy, {});
             return energy(surface, of, size_of(surface));
           },

@@ -4,6 +4,7 @@
 #include "options.h"
 #include "tripatch/annulus/annulus_fill.h"
 #include "tripatch/fill/polygon_fill.h"
+#include "tripatch/loops/loops_patch.h"
 #include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/spline/plane_patch.h"
@@ -45,9 +46,61 @@ Report told(const FillOptions& asked, const Made& made, double size, const char*
   return told_of_patch(std::move(report), size);
 }
 
+/// What is reported of a patch between loops.
+Report told_of_loops(const LoopsPatch& made) {
+  Report report;
+  report.method = polygon_method;
+  report.folds = made.folds;
+  report.continuity.assign(made.seams.size(), SeamContinuity::g1);
+  report.seam_angle_max_by_side.clear();
+  report.seam_angle_rms_by_side.clear();
+  double squares = 0;
+  for (const SeamOfSide& seam : made.seams) {
+    report.seam_angle_max_by_side.push_back(seam.angle_max);
+    report.seam_angle_rms_by_side.push_back(seam.angle_rms);
+    report.seam_angle_max = std::max(report.seam_angle_max, seam.angle_max);
+    report.boundary_gap = std::max(report.boundary_gap, seam.gap);
+    squares += seam.angle_rms * seam.angle_rms / static_cast<double>(made.seams.size());
+  }
+  report.seam_angle_rms = std::sqrt(squares);
+  return told_of_patch(std::move(report), made.size);
+}
+
+void bind_loops(py::module_& m) {
+  py::class_<LoopsSurface, Surface, std::shared_ptr<LoopsSurface>>(m, "LoopsPatch",
+                                                                   "A patch in a concave outline, or with loops inside.")
+      .def_property_readonly(
+          "domain",
+          [](const LoopsSurface& surface) {
+            PlanePoints corners(static_cast<Index>(surface.sides()), 2);
+            for (Index i = 0; i < corners.rows(); ++i) corners.row(i) = surface.on_side(static_cast<std::size_t>(i), 0);
+            return array_from(corners);
+          },
+          "(n, 2) the corners of all loops, the outer one first.")
+      .def("_on_side", [](const LoopsSurface& surface, std::size_t i, const std::vector<double>& t) {
+        PlanePoints places(static_cast<Index>(t.size()), 2);
+        for (std::size_t k = 0; k < t.size(); ++k) places.row(static_cast<Index>(k)) = surface.on_side(i, t[k]);
+        return array_from(places);
+      });
+  m.def("_loops_patch", [](const std::vector<std::vector<Side>>& loops, const py::dict& given, const py::object& progress) {
+    const FillOptions asked = fill_options(given);
+    check_asked(asked);
+    LoopsPatch made;
+    interruptibly([&] { made = loops_patch(loops); }, progress);
+    return py::make_tuple(std::const_pointer_cast<LoopsSurface>(made.patch), told_of_loops(made));
+  });
+  m.def("_loops_triangles", [](const std::shared_ptr<LoopsSurface>& patch, const std::vector<std::vector<double>>& parameters,
+                               const std::optional<int>& resolution) {
+    LoopsTriangles made;
+    interruptibly([&] { made = triangulate_loops(*patch, parameters, resolution); });
+    return py::make_tuple(array_from(made.uv), made.triangles);
+  });
+}
+
 }  // namespace
 
 void bind_polygon(py::module_& m) {
+  bind_loops(m);
   py::class_<OverPolygon, Surface, std::shared_ptr<OverPolygon>>(m, "PolygonPatch", "A patch over a convex polygon.")
       .def_property_readonly(
           "domain",

@@ -221,6 +221,8 @@ enum class Code : std::uint16_t {
   value_needs_mesh,
   surroundings_do_not_unroll,
   isometric_would_fold,
+  // Patches with loops inside
+  loops_not_over_plane,
 };
 
 struct Message;

@@ -413,6 +413,7 @@ def patch(
     *,
     fairing: Fairing | None = None,
     tolerance: float | None = None,
+    islands: Sequence[Sequence[Side]] = (),
     progress: Callable[[int, int], object] | None = None,
     # begin patch: scripts/stubs
     continuity: Continuity | Sequence[Continuity] = "auto",

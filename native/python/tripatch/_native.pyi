@@ -45,6 +45,10 @@ class RoundPatch(Patch):
 class RingPatch(Patch):
     def _on_side(self, side: int, parameters: Sequence[float]) -> Floats: ...
 
+class LoopsPatch(Patch):
+    domain: Floats
+    def _on_side(self, side: int, parameters: Sequence[float]) -> Floats: ...
+
 class PlanePatch(Patch):
     domain: Floats
 
@@ -182,6 +186,10 @@ def _round_patch(side: Side, options: _Options, progress: Callable[[int, int], o
 def _ring_patch(
     sides: Sequence[Side], options: _Options, progress: Callable[[int, int], object] | None
 ) -> tuple[Patch, Report]: ...
+def _loops_patch(
+    loops: Sequence[Sequence[Side]], options: _Options, progress: Callable[[int, int], object] | None
+) -> tuple[Patch, Report]: ...
+def _loops_triangles(patch: Patch, parameters: Sequence[Sequence[float]], resolution: int | None) -> tuple[Floats, Any]: ...
 def _ring_triangles(patch: Patch, parameters: Sequence[Sequence[float]], resolution: int | None) -> tuple[Floats, Any]: ...
 def _polygon_patch(
     sides: Sequence[Side], options: _Options, progress: Callable[[int, int], object] | None

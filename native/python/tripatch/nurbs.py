@@ -128,7 +128,7 @@ def _drawn_together(patch: Patch) -> list[Map]:
 
 def _pieces(patch: Patch) -> tuple[list[Map], list[tuple[int, Array]]]:
     """Squares that make up a patch's domain, and which of their edges (a piece and its places) lie on its sides."""
-    if isinstance(patch, _native.PlanePatch | _native.RingPatch):
+    if isinstance(patch, _native.PlanePatch | _native.RingPatch | _native.LoopsPatch):
         raise ValueError(Message("no_nurbs"))
     t = np.linspace(2 * _BESIDE_CORNER, 1, 50)
     along_s, along_t = np.column_stack([t, 0 * t]), np.column_stack([0 * t, t])

@@ -12,7 +12,7 @@ import numpy as np
 from . import _arrays, _native, words
 from ._native import BezierTriangle, Patch, Report, Side, SzilvasiNagyPatch
 from ._types import Array, ArrayLike
-from .errors import FillWarning, out_of_range, wrong_shape, wrong_type
+from .errors import FillWarning, Refusal, out_of_range, wrong_shape, wrong_type
 from .messages import Message
 from .options import OPTIONS, checked, choice, names, takes_options, whole
 from .pickling import remade
@@ -62,6 +62,7 @@ def patch(
     fairing: Any = None,
     through: Any = (),
     tolerance: float | None = None,
+    islands: Sequence[Sequence[Side]] = (),
     progress: Callable[[int, int], object] | None = None,
     **options: Any,
 ) -> Patch:
@@ -81,6 +82,8 @@ def patch(
             over a polygon then.
         method, cross_boundary, fairing: as of `fill`.
         tolerance: ends up to so far apart are moved together, half the way each, and a warning says how far; none: they meet.
+        islands: loops of sides inside, each in the direction that new faces take, against the clock round the patch outside and
+            with it inside. Options are not used then.
         progress: called several times a second with 0 and 1; what it raises ends the work, as Ctrl-C does.
         **options: see OPTIONS.
 
@@ -106,6 +109,9 @@ def patch(
         sides, as_given=len(sides) == 3 and method != "auto"
     )  # constructions of papers go by the sides' own parameters
     given = {"method": method, "cross_boundary": cross_boundary, "fairing": fairing, "through": through, **options}
+    if len(islands) > 0:
+        loops = [list(sides), *(list(loop) for loop in islands)]
+        return _told(_made("_loops_patch", loops, checked("patch", given), progress))
     if len(sides) != 3 or len(through) > 0:
         return _told(_between_many(sides, given, progress))
     return _told(_made("_patch", sides, checked("patch", given), progress))
@@ -149,7 +155,29 @@ def _between_many(sides: Sequence[Side], options: dict[str, Any], progress: Call
         return _made("_ring_patch", sides, given, progress)
     if len(sides) == 1:
         return _made("_round_patch", sides[0], given, progress)
-    return _made("_polygon_patch", sides, given, progress)
+    patch = _made("_polygon_patch", sides, given, progress)
+    return _over_outline(patch, sides, given, progress) if patch._report and patch._report.folds else patch
+
+
+def _turns_back(sides: Sequence[Side]) -> bool:
+    """Whether the outline has a corner that turns the other way."""
+    t = np.linspace(0, 1, 17)[:-1]
+    points = np.concatenate([side.evaluate(t)[0] for side in sides])
+    steps = np.roll(points, -1, axis=0) - points
+    normal = np.cross(points - points.mean(axis=0), steps).sum(axis=0)
+    turns = np.cross(np.roll(steps, 1, axis=0), steps)[:: len(t)] @ normal
+    return bool((turns < -_CLOSED * np.abs(turns).max()).any())
+
+
+def _over_outline(patch: Patch, sides: Sequence[Side], given: dict[str, Any], progress: Any) -> Patch:
+    """A patch over the outline itself if it does not fold, else the one over a convex polygon."""
+    if len(given.get("through", ())) > 0 or not _turns_back(sides):
+        return patch
+    try:
+        other = _made("_loops_patch", [list(sides)], given, progress)
+    except Refusal:
+        return patch
+    return patch if other._report and other._report.folds else other
 
 
 def _constituent(given: Any, name: str) -> Patch:
@@ -254,7 +282,9 @@ def _sides_of(patch: Patch) -> int:
         raise ValueError(Message("no_sides"))
     if isinstance(patch, _native.RingPatch):
         return 2
-    return len(patch.domain) if isinstance(patch, _native.PolygonPatch) else 1 if isinstance(patch, _native.RoundPatch) else 3
+    if isinstance(patch, _native.RoundPatch):
+        return 1
+    return len(patch.domain) if isinstance(patch, _native.PolygonPatch | _native.LoopsPatch) else 3
 
 
 def _triangles(self: Patch, edges: Any, resolution: int | None = None) -> tuple[Array, Array]:
@@ -278,6 +308,8 @@ def _triangles(self: Patch, edges: Any, resolution: int | None = None) -> tuple[
         b, faces = _native._polygon_triangles(self, sides, inside)
     elif isinstance(self, _native.RingPatch):
         b, faces = _native._ring_triangles(self, [side[:-1] for side in sides], inside)
+    elif isinstance(self, _native.LoopsPatch):
+        b, faces = _native._loops_triangles(self, sides, inside)
     elif isinstance(self, _native.RoundPatch):
         b, faces = _native._disc_triangles(self, sides, inside)
     else:
@@ -290,7 +322,7 @@ def _on_side(self: Patch, i: int, t: ArrayLike) -> Array:
     plane domain places (k, 2) in it."""
     t = _parameters(t)
     i = whole(i, "i", 0, _sides_of(self) - 1)
-    if isinstance(self, _native.PolygonPatch | _native.RingPatch):
+    if isinstance(self, _native.PolygonPatch | _native.RingPatch | _native.LoopsPatch):
         return self._on_side(i, t.tolist())
     if isinstance(self, _native.RoundPatch):
         return np.column_stack([np.cos(2 * np.pi * t), np.sin(2 * np.pi * t)])

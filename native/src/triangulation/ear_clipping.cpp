@@ -51,7 +51,7 @@ private:
 
 }  // namespace
 
-std::vector<std::array<Index, 3>> cut_ears(const PlanePoints& polygon) {
+std::vector<std::array<Index, 3>> cut_ears(const PlanePoints& polygon, bool bridged) {
   const Index n = polygon.rows();
   std::vector<std::array<Index, 3>> triangles;
   if (n < 3 || !polygon.allFinite()) return triangles;
@@ -67,6 +67,7 @@ std::vector<std::array<Index, 3>> cut_ears(const PlanePoints& polygon) {
     return !grid.any(a, b, c, [&](Index v) {
       if (gone[v] || v == p || v == k || v == q) return false;
       const Place x = at(v);
+      if (bridged && (x == a || x == b || x == c)) return false;
       return turn(a, b, x) >= 0 && turn(b, c, x) >= 0 && turn(c, a, x) >= 0;
     });
   };

@@ -15,6 +15,9 @@ bool all_positive(const PlanePoints& uv, const Triangles& triangles);
 /// crosses or touches itself.
 Triangles triangulate_polygon(const PlanePoints& uv, const std::vector<Index>& islands = {});
 
+/// The same of any number of loops, joined by the shortest edges between them that cross none.
+Triangles triangulate_bridged(const PlanePoints& uv, const std::vector<Index>& islands);
+
 /// Of a face, n - 2 by rows of its corners (n, 3): a fan from the first corner, of quads along the shorter diagonal. Otherwise if
 /// one of these triangles is flipped or has no area, as in concave faces and those with corners in a line. Then such as are not,
 /// where there are any.
