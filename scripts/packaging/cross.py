@@ -7,11 +7,12 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import pybind11
 import ziglang
-from platforms import PLATFORMS, PYTHONS, Platform  # noqa: F401
+from platforms import PLATFORMS, PYTHONS, Platform
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build"
@@ -160,31 +161,63 @@ def toolchain(platform: Platform) -> Path:
     return file
 
 
+def configure(platform: Platform, opensubdiv: Path, python: str, more: Mapping[str, str | Path]) -> Path:
+    """Prepares a platform's build for one Python; returns its folder, where all that is built shares the core's objects."""
+    folder = BUILD / "cross" / platform.name / "build"
+    include = headers(python, platform)
+    options = {
+        "CMAKE_BUILD_TYPE": "Release",
+        "CMAKE_TOOLCHAIN_FILE": toolchain(platform),
+        "CMAKE_DISABLE_PRECOMPILE_HEADERS": "ON",
+        "TRIPATCH_CCACHE": "OFF",  # zig has a cache of its own
+        "TRIPATCH_PYTHON": "ON",
+        "TRIPATCH_UNITY": "ON",
+        "TRIPATCH_OPENSUBDIV": "static",
+        "TRIPATCH_OPENSUBDIV_SOURCE": opensubdiv.resolve(),
+        "Eigen3_DIR": EIGEN,
+        "pybind11_DIR": pybind11.get_cmake_dir(),
+        "PYBIND11_USE_CROSSCOMPILING": "ON",
+        "PYTHON_MODULE_EXTENSION": platform.module_suffix.format(python=python),
+        "Python_INCLUDE_DIR": include,
+        **more,
+    }
+    if platform.system == "Windows":
+        options["Python_LIBRARY"] = import_library(python, include)
+    run(["cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", *(f"-D{name}={value}" for name, value in options.items())])
+    return folder
+
+
+def build(folder: Path, target: str) -> None:
+    run(["cmake", "--build", folder, "--target", target, *os.environ.get("TRIPATCH_BUILD_OPTIONS", "").split()])
+
+
 def modules(platform: Platform, opensubdiv: Path) -> dict[str, Path]:
     """The compiled module for each Python."""
-    folder = BUILD / "cross" / platform.name / "build"
     made = {}
     for python in PYTHONS:
-        include = headers(python, platform)
-        suffix = platform.module_suffix.format(python=python)
-        options = {
-            "CMAKE_BUILD_TYPE": "Release",
-            "CMAKE_TOOLCHAIN_FILE": toolchain(platform),
-            "CMAKE_DISABLE_PRECOMPILE_HEADERS": "ON",
-            "TRIPATCH_CCACHE": "OFF",  # zig has a cache of its own
-            "TRIPATCH_PYTHON": "ON",
-            "TRIPATCH_UNITY": "ON",
-            "TRIPATCH_OPENSUBDIV": "static",
-            "TRIPATCH_OPENSUBDIV_SOURCE": opensubdiv.resolve(),
-            "Eigen3_DIR": EIGEN,
-            "pybind11_DIR": pybind11.get_cmake_dir(),
-            "PYBIND11_USE_CROSSCOMPILING": "ON",
-            "PYTHON_MODULE_EXTENSION": suffix,
-            "Python_INCLUDE_DIR": include,
-        }
-        if platform.system == "Windows":
-            options["Python_LIBRARY"] = import_library(python, include)
-        run(["cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", *(f"-D{name}={value}" for name, value in options.items())])
-        run(["cmake", "--build", folder, "--target", "_native", *os.environ.get("TRIPATCH_BUILD_OPTIONS", "").split()])
-        made[python] = folder / f"_native{suffix}"
+        folder = configure(platform, opensubdiv, python, {"TRIPATCH_TESTS": "OFF"})
+        build(folder, "_native")
+        made[python] = folder / f"_native{platform.module_suffix.format(python=python)}"
     return made
+
+
+def tests(platform: Platform, opensubdiv: Path, files: list[str]) -> Path:
+    """The program of some C++ tests, linked with the library that the module contains."""
+    catch = BUILD / "cross" / "catch2"
+    single = Path("/usr/include/catch2/catch.hpp")
+    if not single.exists():
+        sys.exit("error: C++ tests for another system need Catch2 2, which is headers only, as Debian 12 has it")
+    (catch / "catch2").mkdir(parents=True, exist_ok=True)  # a copy: in /usr/include are this system's headers too
+    shutil.copy(single, catch / "catch2")
+    (catch / "Catch2Config.cmake").write_text(
+        "set(Catch2_VERSION 2)\nadd_library(Catch2::Catch2 INTERFACE IMPORTED)\n"
+        f"target_include_directories(Catch2::Catch2 INTERFACE {catch})\n"
+    )
+    more: dict[str, str | Path] = {"TRIPATCH_TESTS": "ON", "TRIPATCH_TEST_FILES": ";".join(files), "Catch2_DIR": catch}
+    folder = configure(platform, opensubdiv, PYTHONS[0], more)
+    build(folder, "tripatch_tests")
+    return folder / "tripatch_tests"
+
+
+if __name__ == "__main__":  # cross.py OPENSUBDIV PLATFORM FILE...: compiles files of tests/native, prints the program's path
+    print(tests(PLATFORMS[sys.argv[2]], Path(sys.argv[1]), sys.argv[3:]))

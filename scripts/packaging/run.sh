@@ -48,6 +48,11 @@ arm64() {
   PYTHONPATH=$ARM64/site PYTHONDONTWRITEBYTECODE=1 OPENBLAS_NUM_THREADS=1 qemu-aarch64-static -L "$ARM64" "$ARM64/usr/bin/python3.11" "$@"
 }
 
+# arm64_native ARGUMENT...: runs the C++ tests for it.
+arm64_native() {
+  qemu-aarch64-static -L "$ARM64" "$BUILD/cross/linux-arm64/build/tripatch_tests" "$@"
+}
+
 # unpack WHEEL FOLDER: installs a wheel into another system's folder of packages.
 unpack() {
   rm -rf "$2"/tripatch "$2"/tripatch-*.dist-info
