@@ -40,6 +40,15 @@ struct FillProblem {
   FillProblem(const FillContext& g, const std::vector<Index>& given_rim, const Corners& given, const FillOptions& asked)
       : context(g), rim(given_rim), loop(check_topology(g.left, given_rim)), corners(given), options(asked) {}
 
+  /// The same problem as before, if it is one.
+  static std::shared_ptr<FillProblem> of(const FillContext& context, const std::vector<Index>& rim, const Corners& corners,
+                                         const FillOptions& options) {
+    if (context.problem && context.problem->options.fairing == options.fairing) return context.problem;
+    auto problem = std::make_shared<FillProblem>(context, rim, corners, options);
+    if (context.is_part()) context.problem = problem;
+    return problem;
+  }
+
   const SidesFound& sides() {
     if (!sides_) sides_ = found_sides(context, loop, corners, options);
     return *sides_;
@@ -49,25 +58,31 @@ struct FillProblem {
   void begin_spline() {
     if (may_share()) begun_ = std::make_unique<AsyncTask<Fill>>([this] { return spline_anew(); });
   }
+  void end_spline() { begun_.reset(); }
   Fill spline() {
+    if (spline_) return *spline_;
     const std::unique_ptr<AsyncTask<Fill>> begun = std::move(begun_);
-    return begun ? begun->get() : spline_anew();
+    Fill made = begun ? begun->get() : spline_anew();
+    if (context.is_part()) spline_ = made;
+    return made;
   }
 
   const FillContext& context;
-  const std::vector<Index>& rim;
+  const std::vector<Index> rim;
   const std::vector<Index> loop;  ///< checked
-  const Corners& corners;         ///< as given
-  const FillOptions& options;
+  const Corners corners;          ///< as given
+  const FillOptions options;
   const double size = diameter(context.mesh, loop);
-  std::optional<PatchInput> input;   ///< once it is read for the patch
-  bool is_of_revolution = false;     ///< the surroundings of a round rim
-  std::optional<Fill> early_spline;  ///< if it was made before the patch
+  std::optional<PatchInput> input;             ///< once it is read for the patch
+  bool is_of_revolution = false;               ///< the surroundings of a round rim
+  std::optional<std::pair<Fill, bool>> patch;  ///< once it is made, and whether it is of revolution
+  std::optional<Fill> early_spline;            ///< if it was made before the patch
 
 private:
   Fill spline_anew() const { return fill_any_rim(context, rim, sides_->of_spline, sides_->options, {}); }
 
   std::optional<SidesFound> sides_;
+  std::optional<Fill> spline_;
   std::unique_ptr<AsyncTask<Fill>> begun_;  // the last: it ends before what it reads
 };
 
@@ -170,7 +185,7 @@ std::string skip_patch(FillProblem& problem, const TriedFills& tried) {
   const double least = least_error(degrees, problem.size);
   if (wants_patch(problem) || is_negligible(least, problem.size)) return "";
   try {
-    problem.early_spline = new_spline(problem, tried);
+    if (!problem.early_spline) problem.early_spline = new_spline(problem, tried);
   } catch (const CodedRefusal&) {
     return "";  // reported where the spline has its turn
   }
@@ -206,6 +221,10 @@ Fill make_disc(FillProblem& problem, const SideContinuity* continuity) {
 }
 
 Fill make_patch(FillProblem& problem, const TriedFills&) {
+  if (problem.patch) {
+    problem.is_of_revolution = problem.patch->second;
+    return problem.patch->first;
+  }
   const PatchInput& input = input_of(problem);
   const auto* const three = std::get_if<TriangleInput>(&input);
   Fill fill = three                                      ? fill_with_patch(problem.context, *three, options_of_patch(problem))
@@ -213,6 +232,7 @@ Fill make_patch(FillProblem& problem, const TriedFills&) {
                                                          : make_polygon(problem, false);
   const bool revolved = problem.is_of_revolution && problem.options.cap == Cap::automatic;
   fill.report.method_reason = revolved ? round_of_revolution : problem.sides().reason;
+  if (problem.context.is_part()) problem.patch = {fill, problem.is_of_revolution};
   return fill;
 }
 
@@ -273,7 +293,7 @@ std::string skip_spline(FillProblem& problem, const TriedFills& tried) {
 }
 
 Fill make_spline(FillProblem& problem, const TriedFills& tried) {
-  Fill fill = problem.early_spline ? std::move(*problem.early_spline) : new_spline(problem, tried);
+  Fill fill = problem.early_spline ? *problem.early_spline : new_spline(problem, tried);
   fill.report.method_reason = why_spline(problem, tried);
   return fill;
 }
@@ -359,9 +379,11 @@ bool is_lid(const FillContext& context, const Fill& fill, const FillOptions& opt
 Fill fill_as_the_rim_asks(const FillContext& context, const std::vector<Index>& rim, const Corners& corners,
                           const FillOptions& options) {
   if (!options.islands.empty()) return fill_around_islands(context, rim, options);
-  FillProblem problem(context, rim, corners, options);
-  Fill fill = selected(try_all(problem, strategies, problem.size, judged));
-  if (problem.is_flat()) fill.report.warnings.push_back({Code::flat_all_around});
+  const std::shared_ptr<FillProblem> problem = FillProblem::of(context, rim, corners, options);
+  TriedFills tried = try_all(*problem, strategies, problem->size, judged);
+  problem->end_spline();
+  Fill fill = selected(std::move(tried));
+  if (problem->is_flat()) fill.report.warnings.push_back({Code::flat_all_around});
   if (!is_lid(context, fill, options)) return fill;
   const std::vector<std::array<Index, 2>> edges = sharp_rim_edges(context, fill);
   fill.feature_edges.insert(fill.feature_edges.end(), edges.begin(), edges.end());

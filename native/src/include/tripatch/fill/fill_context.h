@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -13,6 +14,8 @@
 #include "tripatch/output/fill_result.h"
 
 namespace tripatch {
+
+struct FillProblem;
 
 /// A mesh and who is next to whom in it, for one fill or for several.
 class FillContext {
@@ -33,6 +36,8 @@ public:
   const Connectivity& left;  ///< without the faces that are replaced
   VertexPlanes planes;       ///< that fills have at vertices of their rims, whatever the faces around tell
   bool keeps_clear = false;  ///< whether fills that pass through the mesh are the last to be chosen
+  /// Of the only rim: what was found for it stays for the next fill of the same.
+  mutable std::shared_ptr<FillProblem> problem;
 
 private:
   bool is_part_;
