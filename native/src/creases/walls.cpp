@@ -313,6 +313,7 @@ private:
   /// The wall that each edge is part of: as few changes around the rim as its walls allow, each where a crease shows. Empty where none are
   /// possible, or more walls than `whole` have lost nothing.
   std::vector<std::size_t> walls_of_edges(int whole) const {
+    if (!may_meet()) return {};
     const std::size_t walls = walls_.size();
     const double none = std::numeric_limits<double>::infinity();
     const auto cost = [&](Index k, std::size_t p) {
@@ -354,6 +355,15 @@ private:
     for (Index k = 0; std::cmp_less(k, best.size()); ++k)
       if (best[k] != best[(k + n_ - 1) % n_] && best[k] < seen_) whole -= seems_whole(best, k);
     return whole < 0 ? std::vector<std::size_t>() : best;
+  }
+
+  /// Whether two walls are turned from each other as at a crease, or bend.
+  bool may_meet() const {
+    if (!all_flat()) return true;
+    for (std::size_t p = 0; p < walls_.size(); ++p)
+      for (std::size_t q = 0; q < p; ++q)
+        if (!(angle_between(walls_[p].normal(), walls_[q].normal()) < min_crease_angle)) return true;
+    return false;
   }
 
   /// Of the wall whose run begins at a place, 1: its border there is straight between two of its corners, or turns around it without a corner
