@@ -126,7 +126,9 @@ std::optional<PlaneFill> on_coarser_rim(const Mesh& mesh, const Connectivity& ar
   if (is_long(hole)) hole = coarse_hole(disc, loops, length = longest);
   if (is_long(hole)) return {};
   const Mesh coarse{hole.vertices, hole.faces};
-  const PlaneFill from = fill_over_plane(coarse, Connectivity(coarse), hole.loops);
+  PlaneFillOptions own;
+  own.only_likeliest = true;  // what is plainer is not used
+  const PlaneFill from = fill_over_plane(coarse, Connectivity(coarse), hole.loops, own);
   if (!from.field || from.plainer) return {};
   const PlanePoints rim_uv = closest_points(*from.surface, rim.points, between_known(rim, hole.rows, from.rim_uv));
   const bool is_met = from.field->noise() < met_noise * length;

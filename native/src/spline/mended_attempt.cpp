@@ -29,6 +29,15 @@ struct Bends {
   bool keep_planes = true;
 };
 
+/// Triangles of which bending more takes no time.
+constexpr std::size_t few_to_bend = 100;
+
+/// Whether triangles that bend least fold so much that other orders do as well: it is their layout that is wrong.
+bool is_hopeless(const PlaneRim& rim, const Attempt& bent) {
+  const Index folds = count_folded_edges(bent.made.points, bent.made.triangles, rim.beyond) - max_folds(rim, bent);
+  return bent.made.triangles.size() > few_to_bend && is_past_mending(folds, bent.made.triangles.size());
+}
+
 }  // namespace
 
 bool is_finer(const PlaneRim& rim, const PlaneFillOptions& options) {
@@ -86,7 +95,7 @@ Disc with_two_rings(const Mesh& mesh, const Connectivity& continued, const std::
   return disc.rings < 2 ? disc_around(mesh, continued, loops, 0, 2) : disc;
 }
 
-bool second_alone(const Disc& disc, const PlaneRim& rim, Attempt& result) {
+bool second_alone(const Disc& disc, const PlaneRim& rim, Work& work, Attempt& result) {
   if (disc.triangles.empty() || result.made.points.rows() == disc.rim || result.met) return false;
   std::array<std::optional<SecondModels>, 2> of_result;  // that need not keep the planes next to the rim, and that do
   for (const auto& [orders, keep_planes] : {Bends{{2, 3}}, {{2}}, {{2, 3}, false}, {{2}, false}, {{1}}}) {
@@ -95,9 +104,14 @@ bool second_alone(const Disc& disc, const PlaneRim& rim, Attempt& result) {
     if (!models) models.emplace(alone.made.points, alone.made.triangles, disc, keep_planes);
     std::optional<SecondModel> second = models->by(orders);
     for (int round = 0; round < 2; ++round) {  // the second by angles of triangles that do not fold
+      if (work.is_spent()) return false;
+      work.add(alone.made.points.rows());
       if (round > 0) second = second_model(alone.made.points, alone.made.triangles, disc, orders, keep_planes);
       if (!second || !take_second(rim, *second, 1, alone)) break;
-      if (!serves(rim, alone)) continue;
+      if (!serves(rim, alone)) {
+        if (is_hopeless(rim, alone)) return false;
+        continue;
+      }
       result = std::move(alone);
       return true;
     }
@@ -105,11 +119,11 @@ bool second_alone(const Disc& disc, const PlaneRim& rim, Attempt& result) {
   return false;
 }
 
-bool few_alone(const Disc& disc, const PlaneRim& rim, std::optional<int> resolution, Attempt& result) {
+bool few_alone(const Disc& disc, const PlaneRim& rim, std::optional<int> resolution, Work& work, Attempt& result) {
   Attempt few = result;
   few.surface = few.field;
   few.second.reset();
-  if (few.met || !refine(rim, edges_in_layouts, few) || !second_alone(disc, rim, few)) return false;
+  if (few.met || !refine(rim, edges_in_layouts, few) || !second_alone(disc, rim, work, few)) return false;
   few.surface = through_vertices(few.made.uv, few.made.points, disc.rim, rim.edge);
   if (!few.surface) return false;
   few.few = true;

@@ -235,7 +235,7 @@ PlaneTriangulation triangulated(PlanePolygon polygon, const std::vector<Through>
 }
 
 std::optional<Attempt> attempts(const Disc& disc, const PlaneRim& rim, const std::vector<Index>& samples,
-                                const FieldOptions& fields, const PlaneFillOptions& options) {
+                                const FieldOptions& fields, const PlaneFillOptions& options, Work& work) {
   std::optional<Attempt> result;
   double area = rim.area, change = 0;
   const bool is_long = disc.rim > long_rim && !options.resolution;
@@ -243,6 +243,7 @@ std::optional<Attempt> attempts(const Disc& disc, const PlaneRim& rim, const std
   if (is_long) in_layouts.resolution = edges_in_layouts;
   for (int round = 0; round < layouts; ++round) {
     std::optional<Attempt> next = attempt(disc, rim, samples, fields, in_layouts, result ? &*result : nullptr);
+    work.add(disc.points.rows() + (next ? next->made.points.rows() : 0));
     if (!next || !stays_near(next->made.points, rim)) break;
     if (next->few && next->made.doubles_edges && !rim.doubles_edges) break;
     if (next->few) in_layouts.resolution = edges_in_layouts;

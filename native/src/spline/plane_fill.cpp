@@ -63,9 +63,9 @@ struct Way {
   std::optional<Message> why;
 };
 
-/// Of the ways the likeliest that will do, else `best`, the plain triangles.
+/// Of the ways the likeliest that will do, else `best`, the plain triangles. work: is added to; once it is spent, no other way is tried.
 PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
-                    const PlaneFillOptions& options, const PlaneRim& rim, PlaneFill best) {
+                    const PlaneFillOptions& options, const PlaneRim& rim, Work& work, PlaneFill best) {
   const std::array<Way, 4> ways = {
       Way{reach_share, max_rings, FieldOptions().orders, {}}, Way{0, 2, {2, 3}, Message{Code::two_rings_followed}},
       Way{0, 1, {2}, Message{Code::one_ring_followed}}, Way{0, 0, of_rim_alone, Message{Code::rim_alone_followed}}};
@@ -75,7 +75,8 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
   if (finer) coarse.resolution.reset();
   bool is_known = false;  // whether the next way would do what was done already: several may see the rim alone
   for (const Way& way : ways) {
-    if (is_known || (way.rings == 0 && best.surface)) break;
+    if (options.only_likeliest && &way != ways.data()) break;
+    if (is_known || work.is_spent() || (way.rings == 0 && best.surface)) break;
     Disc disc = disc_to_sample(mesh, continued, loops, way.reach * rim.diameter, way.rings);
     if (disc.triangles.empty() && way.rings > 0 && !options.continued) continue;
     const bool sees_rim_alone = disc.triangles.empty();
@@ -84,7 +85,8 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
     FieldOptions fields;
     fields.orders = sees_rim_alone ? of_rim_alone : way.orders;
     fields.unit = std::max(rim.edge, 1e-300);
-    std::optional<Attempt> result = attempts(disc, rim, samples, fields, coarse);
+    std::optional<Attempt> result = attempts(disc, rim, samples, fields, coarse, work);
+    work.limit();
     if (!result || (result->made.doubles_edges && !rim.doubles_edges)) continue;
     if (way.reach > 0) {
       PlaneFillOptions own = coarse;
@@ -110,13 +112,14 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
         left > 0 && count_folded_edges(result->made.points, result->made.triangles, {}) > rim.folds_of_plain;
     const Index most = max_folds(rim, *result);
     const bool fails = is_hopeless || left > most || folds_inside || crosses(rim, *result);
+    if (fails && options.only_likeliest) break;
     const bool prefers_second = !is_long && mostly_details(details_in(*result)) && (fails || way.reach == 0);
     bool bends_least = false;
     if (prefers_second || (fails && !is_long)) {
       Attempt alone = before ? *before : *result;
       const Disc rings = with_two_rings(mesh, continued, loops, disc);
       const bool few = alone.few || disc.rim * alone.made.points.rows() > max_bent;
-      bends_least = few ? few_alone(rings, rim, options.resolution, alone) : second_alone(rings, rim, alone);
+      bends_least = few ? few_alone(rings, rim, options.resolution, work, alone) : second_alone(rings, rim, work, alone);
       if (bends_least && finer && !few) bends_least = refine(rim, options.resolution, alone) && serves(rim, alone);
       if (bends_least) result = std::move(alone);
     }
@@ -167,16 +170,17 @@ PlaneFill fill_over_plane(const Mesh& mesh, const Connectivity& around, const st
   std::optional<PlaneFill> coarse = on_coarser_rim(mesh, around, loops, options, rim);
   if (coarse && coarse->folds == 0) return std::move(*coarse);
   PlaneFill fill = best;
+  Work work;
   for (const Triangles* triangles : {&rough.crossing, &rough.triangles}) {
     if (fill.surface || triangles->empty()) continue;
     rim.rough = *triangles;
     rim.area = area_of(rim.points, rim.rough);
-    fill = likeliest(mesh, around, loops, options, rim, best);
+    fill = likeliest(mesh, around, loops, options, rim, work, best);
   }
   if (coarse && (!fill.surface || coarse->folds <= fill.folds)) return std::move(*coarse);
   if (fill.surface || !crosses_itself(plain_points, best.triangles)) return fill;
   rim.may_cross = true;
-  return likeliest(mesh, around, loops, options, rim, best);
+  return likeliest(mesh, around, loops, options, rim, work, best);
 }
 
 }  // namespace tripatch

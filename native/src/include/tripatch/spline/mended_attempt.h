@@ -25,10 +25,10 @@ Disc with_two_rings(const Mesh& mesh, const Connectivity& continued, const std::
 
 /// The second model alone, if the field folds. If the noise of a mesh is a third of an edge, the field passes the vertices of the
 /// rim so far off that its triangles fold back over the mesh. So may those that keep the planes next to the rim, which are noise.
-/// False, and as it was, where this folds more than the rim too.
-bool second_alone(const Disc& disc, const PlaneRim& rim, Attempt& result);
+/// False, and as it was, where this folds more than the rim too, or no work is left. work: is added to.
+bool second_alone(const Disc& disc, const PlaneRim& rim, Work& work, Attempt& result);
 /// The same with the few triangles of long rims' layouts, and a surface through their vertices: many triangles take minutes to bend, and
 /// those on a field that folds over itself are no good.
-bool few_alone(const Disc& disc, const PlaneRim& rim, std::optional<int> resolution, Attempt& result);
+bool few_alone(const Disc& disc, const PlaneRim& rim, std::optional<int> resolution, Work& work, Attempt& result);
 
 }  // namespace tripatch

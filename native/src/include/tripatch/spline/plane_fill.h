@@ -29,6 +29,7 @@ struct PlaneFillOptions {
   std::vector<Through> through = {};  ///< met exactly inside; each is a vertex of the triangles
   Points planes = Points(0, 3);       ///< normals at the loops' vertices that the fill has there; no rows: what the samples say
   double size = 0;                    ///< of the hole that the loops go around a part of, scene units; less than their own: that
+  bool only_likeliest = false;        ///< plain triangles follow if the likeliest way fails
 };
 
 struct PlaneFill {
