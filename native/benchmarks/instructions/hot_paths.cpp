@@ -71,6 +71,27 @@ void spline() {
   fill(waves().mesh(), options);
 }
 
+/// As meshes made by programs have them by the thousand.
+void small_hole() {
+  static const Waves some(20, 2);
+  FillOptions options;
+  options.rim = some.rim;
+  fill(some.mesh(), options);
+}
+
+/// Of a rim so rough that no surface over it serves: all ways are tried, and plain triangles remain.
+void slow_fill() {
+  static const Waves rough = [] {
+    Waves waves(40, 24);
+    for (std::size_t k = 0; k < waves.rim.size(); ++k)
+      waves.vertices(waves.rim[k], 2) += 6 * std::sin(7919.0 * static_cast<double>(k * k));
+    return waves;
+  }();
+  FillOptions options;
+  options.rim = rough.rim;
+  fill(rough.mesh(), options);
+}
+
 void normals() {
   static const SurfacePtr patch = filled(Fairing::automatic, "side_vertex").patch;
   constexpr Index rows = 140;  // of a grid of some 10,000 points
@@ -104,6 +125,8 @@ const std::map<std::string, std::function<void()>> paths = {
     {"fill without fairing", [] { filled({}); }},
     {"fill", [] { filled(Fairing::automatic); }},
     {"spline", spline},
+    {"small hole", small_hole},
+    {"slow fill", slow_fill},
     {"normals", normals},
     {"borders", borders},
     {"rough fill", roughly}};
