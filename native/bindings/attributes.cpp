@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.h"
+#include "bindings.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/mesh/vertex_normals.h"
 #include "tripatch/output/attribute_weights.h"
@@ -31,9 +32,10 @@ Out rows_of(const AttributeWeights& weights, const Pick& pick) {
 }  // namespace
 
 void bind_attributes(py::module_& m) {
-  py::class_<AttributeWeights>(m, "AttributeWeights",
-                               "Weights, at points inside, of values that are given at both ends of every rim edge.")
-      .def(py::init(&weights_from))
+  py::class_<AttributeWeights> weights(m, "AttributeWeights",
+                                       "Weights, at points inside, of values that are given at both ends of every rim edge.");
+  define_constructor<const Array&, const Array&, const std::vector<Index>&>(weights, weights_from);
+  weights
       .def_property_readonly(
           "ends",
           [](const AttributeWeights& w) {

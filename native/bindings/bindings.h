@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tripatch/math/interruption.h"
@@ -42,6 +43,26 @@ void interruptibly(const Work& work, const py::object& progress = py::none()) {
   const py::gil_scoped_release release;
   tripatch::work_and_ask(work, [&] { tell(0); });
   tell(1);
+}
+
+/// Lets Python construct a bound class with what a function of `Arguments` makes. pybind11's own constructors register the object
+/// after all catches, where a failed allocation ends the process; here Python gets a MemoryError.
+template <class... Arguments, class Bound, class Make>
+void define_constructor(Bound& bound, const Make& make) {
+  bound.def(
+      "__init__",
+      [make](py::detail::value_and_holder& object, Arguments... arguments) {
+        auto* const made = new typename Bound::type(make(std::forward<Arguments>(arguments)...));
+        object.value_ptr() = made;
+        try {
+          object.type->init_instance(object.inst, nullptr);
+        } catch (...) {
+          object.value_ptr() = nullptr;
+          delete made;
+          throw;
+        }
+      },
+      py::detail::is_new_style_constructor());
 }
 
 /// A tripatch.Refusal.

@@ -76,9 +76,11 @@ bool looks_within(const ConnectedMesh& connected, const std::vector<std::vector<
 }
 
 void bind_borders(py::module_& m) {
-  py::class_<ConnectedMesh>(m, "ConnectedMesh")
-      .def(py::init<Array, IndexArray, IndexArray>())
-      .def("borders", [](ConnectedMesh& connected) { return listed(connected.loops()); })
+  py::class_<ConnectedMesh> connected_mesh(m, "ConnectedMesh");
+  define_constructor<Array, IndexArray, IndexArray>(connected_mesh, [](Array vertices, IndexArray offsets, IndexArray corners) {
+    return ConnectedMesh(std::move(vertices), std::move(offsets), std::move(corners));
+  });
+  connected_mesh.def("borders", [](ConnectedMesh& connected) { return listed(connected.loops()); })
       .def("unclosed", [](ConnectedMesh& connected) { return listed(connected.unclosed()); })
       .def("outer_borders",
            [](ConnectedMesh& connected) {

@@ -16,10 +16,10 @@ void bind_limit(py::module_& m) {
     interruptibly([&] { limit = sample_limit({points, faces}, settings, first_face, level); });
     return py::make_tuple(array_from(limit.vertices), array_from(limit.faces.corners));
   });
-  py::class_<Subdivision>(m, "Subdivision")
-      .def(py::init<>())
-      .def(py::init<const Subdivision&>())
-      .def_readwrite("loop", &Subdivision::loop)
+  py::class_<Subdivision> subdivision(m, "Subdivision");
+  define_constructor<>(subdivision, [] { return Subdivision(); });
+  define_constructor<const Subdivision&>(subdivision, [](const Subdivision& other) { return Subdivision(other); });
+  subdivision.def_readwrite("loop", &Subdivision::loop)
       .def_readwrite("preserve_corners", &Subdivision::preserve_corners)
       .def_readwrite("quality", &Subdivision::quality)
       .def_readwrite("use_limit_surface", &Subdivision::use_limit_surface)
@@ -29,14 +29,15 @@ void bind_limit(py::module_& m) {
       .def_readwrite("crease_vertices", &Subdivision::crease_vertices)
       .def_readwrite("vertex_creases", &Subdivision::vertex_creases)
       .def_readwrite("loose_vertices", &Subdivision::loose_vertices);
-  py::class_<LimitSurface>(m, "LimitSurface")
-      .def(py::init([](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const Subdivision& settings,
-                       const std::vector<Index>& around) {
+  py::class_<LimitSurface> limit_surface(m, "LimitSurface");
+  define_constructor<const Array&, const IndexArray&, const IndexArray&, const Subdivision&, const std::vector<Index>&>(
+      limit_surface, [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const Subdivision& settings,
+                        const std::vector<Index>& around) {
         const FacesRef faces = faces_from(offsets, corners);
         const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
         return LimitSurface({points, faces}, settings, around);
-      }))
-      .def("grid", [](const LimitSurface& surface, int steps) { return array_from(surface.grid(steps)); })
+      });
+  limit_surface.def("grid", [](const LimitSurface& surface, int steps) { return array_from(surface.grid(steps)); })
       .def("evaluate_edge", [](const LimitSurface& surface, Index face, int edge, const std::vector<double>& t) {
         std::vector<LimitJet> jets(t.size());
         surface.evaluate_edge(face, edge, t, jets);

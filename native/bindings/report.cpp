@@ -64,8 +64,9 @@ void bind_report(py::module_& m) {
     interruptibly([&] { made = triangles_of(points, faces); });
     return py::make_tuple(array_from(made[0]), array_from(made[1]));
   });
-  py::class_<Report>(m, "Report", "Numbers of a fill: angles in degrees, time in seconds.")
-      .def(py::init<>())
+  py::class_<Report> report(m, "Report", "Numbers of a fill: angles in degrees, time in seconds.");
+  define_constructor<>(report, [] { return Report(); });
+  report
       .def_readonly("seam_angle_max", &Report::seam_angle_max,
                     "Largest angle between the fill and the surroundings used, in degrees.")
       .def_readonly("seam_angle_rms", &Report::seam_angle_rms, "Root mean square of that angle, in degrees.")

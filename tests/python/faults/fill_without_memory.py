@@ -1,6 +1,7 @@
 """Fills a hole with one allocation failing, for each of some, in a process of its own: prints what became of them as JSON.
 
-fill_without_memory.py STEP, with the library of allocations.c preloaded.
+fill_without_memory.py STEP, with the library of allocations.c preloaded: each of the first, in which Python makes objects of
+bound classes, then one in STEP.
 """
 
 import ctypes
@@ -13,6 +14,7 @@ import numpy as np
 import tripatch
 from shapes import cube_sphere
 
+FIRST = 64
 step = int(sys.argv[1])
 fail_at = ctypes.CDLL(None).fail_at
 fail_at.restype = ctypes.c_long
@@ -49,7 +51,7 @@ fail_at(-1)
 assert is_good(tripatch.fill(points, faces))
 requests = fail_at(-1)
 became = {}
-for k in range(0, requests, step):
+for k in (*range(FIRST), *range(FIRST, requests, step)):
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
