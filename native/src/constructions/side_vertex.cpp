@@ -13,18 +13,6 @@ public:
 
   Vec3 corner(int i) const override { return rays_[i].corner(i); }
 
-  template <int N>
-  JetPoint<N> at(const Barycentric<N>& b) const {
-    if constexpr (N <= highest_written_out) {
-      return point_of_plane(*this, b);
-    } else {
-      const std::array<Jet<N>, 3> w = side_weights(b);
-      JetPoint<N> p;
-      for (int i = 0; i < 3; ++i) p += w[i] * rays_[i].at(b);
-      return p;
-    }
-  }
-
   template <int N, class P>
   TRIPATCH_ANY_PACK void plane(const P (&b)[3], TangentPlane<N, P>& sum) const {
     Plane<N, P> weights[3];
@@ -33,17 +21,15 @@ public:
     for (int i = 0; i < 3; ++i) rays_[i].template add_plane<N, Degree>(OnRay<N, P>(b, i), weights[i], sum);
   }
 
-#ifdef TRIPATCH_PACKS
-  template <int N>
-  TRIPATCH_PACKED PackPoint<N> of_jets(const PackBarycentric<N>& b) const {
-    const PackRays<N, Pack> rays(b);
-    PackJet<N> w[3];
-    side_weights<2>(b, rays, w);
-    PackPoint<N> p = {};
-    for (int i = 0; i < 3; ++i) p.add(w[i], rays_[i].at(rays.s[i], rays.t[i]));
+  template <int N, class P>
+  TRIPATCH_ANY_PACK PointOf<N, P> jets(const PlaceOf<N, P>& b) const {
+    const Rays<N, P> rays(b);
+    JetOf<N, P> w[3];
+    set_side_weights<2>(b, rays, w);
+    PointOf<N, P> p = {};
+    for (int i = 0; i < 3; ++i) add_product<N, P>(w[i], rays_[i].at(rays.s[i], rays.t[i]), p);
     return p;
   }
-#endif
 
 private:
   std::array<VertexRay, 3> rays_;

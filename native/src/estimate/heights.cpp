@@ -367,7 +367,7 @@ struct Sums {
                          products_of_columns_##name};
 
 TRIPATCH_SUMS(any_machine_sums, 4, )
-#ifdef TRIPATCH_PACKS
+#ifdef TRIPATCH_KNOWS_MACHINES
 TRIPATCH_SUMS(sums_with_avx2, 4, __attribute__((target("arch=x86-64-v3"))))
 TRIPATCH_SUMS(sums_with_avx512, 8, __attribute__((target("arch=x86-64-v4,prefer-vector-width=512"))))
 const Sums sums = __builtin_cpu_supports("x86-64-v4")   ? sums_with_avx512

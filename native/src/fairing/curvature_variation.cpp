@@ -48,7 +48,7 @@ double with_sign(double length, double of) { return of < 0 ? -length : length; }
 #ifdef TRIPATCH_PACKS
 namespace packed {
 
-TRIPATCH_PACKED_INLINE Pack root(const Pack& x) { return __builtin_ia32_sqrtpd256(x); }
+TRIPATCH_PACKED_INLINE Pack root(const Pack& x) { return square_root(x); }
 TRIPATCH_PACKED_INLINE Pack with_sign(const Pack& length, const Pack& of) { return of < 0.0 ? -length : length; }
 #define TRIPATCH_NUMBER Pack
 #define TRIPATCH_FORMULA TRIPATCH_PACKED_INLINE
@@ -91,8 +91,6 @@ TRIPATCH_PACKED void variation_rows(const Derivatives* d, double flat, Curvature
     }
 }
 
-const bool are_there = __builtin_cpu_supports("avx2");
-
 }  // namespace packed
 #endif
 
@@ -126,7 +124,7 @@ CurvatureVariationRows curvature_variation_rows(const Derivatives& d, double fla
 void curvature_variations(std::span<const Derivatives> d, double flat, CurvatureVariation* out) {
   std::size_t k = 0;
 #ifdef TRIPATCH_PACKS
-  for (; packed::are_there && k + lanes <= d.size(); k += lanes) packed::variations(&d[k], flat, out + k);
+  for (; has_packs() && k + lanes <= d.size(); k += lanes) packed::variations(&d[k], flat, out + k);
 #endif
   for (; k < d.size(); ++k) out[k] = curvature_variation(d[k], flat);
 }
@@ -134,7 +132,7 @@ void curvature_variations(std::span<const Derivatives> d, double flat, Curvature
 void curvature_variation_rows(std::span<const Derivatives> d, double flat, CurvatureVariationRows* out) {
   std::size_t k = 0;
 #ifdef TRIPATCH_PACKS
-  for (; packed::are_there && k + lanes <= d.size(); k += lanes) packed::variation_rows(&d[k], flat, out + k);
+  for (; has_packs() && k + lanes <= d.size(); k += lanes) packed::variation_rows(&d[k], flat, out + k);
 #endif
   for (; k < d.size(); ++k) out[k] = curvature_variation_rows(d[k], flat);
 }

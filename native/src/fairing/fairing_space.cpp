@@ -45,41 +45,19 @@ Points about_middle(const Points& net, int degree) {
 
 class Correction final : public PackedSurface<Correction> {
 public:
-  Correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int second_cross, const Points& coefficients)
-      : slopes_(std::move(slopes)),
-        degree_(degree),
+  Correction(const std::array<PiecewisePolynomial, 3>& slopes, int degree, int second_cross, const Points& coefficients)
+      : degree_(degree),
+        bends_(second_cross > 0),
         inside_(about_middle(coefficients.topRows(BezierTriangle::net_size(degree)), degree)) {
-    for (int i = 0; i < 3; ++i) packed_slopes_[i] = PackedField(slopes_[i]);
-    if (second_cross == 0) return;
+    for (int i = 0; i < 3; ++i) slopes_[i] = PackedField(slopes[i]);
+    if (!bends_) return;
     for (int i = 0; i < 3; ++i) {
       const Points of_side = coefficients.middleRows(inside_.rows() + i * second_cross, second_cross);
-      second_cross_[i] = PiecewisePolynomial::bezier({of_side.data(), static_cast<std::size_t>(of_side.size())}, 3);
-      packed_second_cross_[i] = PackedField(second_cross_[i]);
+      second_cross_[i] = PackedField(PiecewisePolynomial::bezier({of_side.data(), static_cast<std::size_t>(of_side.size())}, 3));
     }
   }
 
   Vec3 corner(int) const { return Vec3::Zero(); }
-
-  template <int N>
-  JetPoint<N> at(const Barycentric<N>& b) const {
-    if constexpr (N <= highest_written_out) {
-      return point_of_plane(*this, b);
-    } else {
-      double inner[jet_size(N)][3];
-      inside<N>(b[0].value(), b[1].value(), inner);
-      JetPoint<N> p;
-      for (int k = 0; k < jet_size(N); ++k)
-        for (int x = 0; x < 3; ++x) p.x[x].c[k] = inner[k][x];
-      p = bubble(b) * p;
-      const std::array<Jet<N>, 3> weights = side_weights(b), cubic_weights = cubic_side_weights(b);
-      for (int i = 0; i < 3; ++i) {
-        const Jet<N> t = ray_parameter(b, i);
-        p += slope_kernel(b, weights, i) * compose(slopes_[i], t);
-        if (!second_cross_[i].empty()) p += second_cross_kernel(b, cubic_weights, i) * compose(second_cross_[i], t);
-      }
-      return p;
-    }
-  }
 
   template <int N, class P>
   TRIPATCH_ANY_PACK void plane(const P (&b)[3], TangentPlane<N, P>& sum) const {
@@ -99,7 +77,7 @@ public:
     for (int i = 0; i < 3; ++i) {
       const OnRay<N, P> on(b, i);
       P field[N + 1][3];
-      field_at<N>(slopes_[i], packed_slopes_[i], on.t.c[0], field);
+      slopes_[i].taylor<N>(slopes_[i].places(on.t.c[0]), field);
       Plane<N, P> kernel;  // slope_kernel
       const P s_b = on.s * on.b;
       kernel.c[0] = -(weights[i].c[0] * on.s * s_b);
@@ -108,8 +86,8 @@ public:
           kernel.c[1 + d] =
               -(weights[i].c[1 + d] * on.s * s_b) - barycentric_slopes[i][d] * (weights[i].c[0] * (on.s * on.s - 2.0 * s_b));
       add_field<N>(kernel, on.t, field, sum);
-      if (second_cross_[i].empty()) continue;
-      field_at<N>(second_cross_[i], packed_second_cross_[i], on.t.c[0], field);
+      if (!bends_) continue;
+      second_cross_[i].taylor<N>(second_cross_[i].places(on.t.c[0]), field);
       const P half = 0.5 * on.b;  // second_cross_kernel
       kernel.c[0] = half * on.b * cubic_weights[i].c[0];
       if constexpr (N > 0)
@@ -119,27 +97,25 @@ public:
     }
   }
 
-#ifdef TRIPATCH_PACKS
-  template <int N>
-  TRIPATCH_PACKED PackPoint<N> of_jets(const PackBarycentric<N>& b) const {
-    Pack inner[jet_size(N)][3];
+  template <int N, class P>
+  TRIPATCH_ANY_PACK PointOf<N, P> jets(const PlaceOf<N, P>& b) const {
+    P inner[jet_size(N)][3];
     inside<N>(b[0].c[0], b[1].c[0], inner);
-    PackPoint<N> p;
+    PointOf<N, P> p;
     for (int k = 0; k < jet_size(N); ++k)
       for (int x = 0; x < 3; ++x) p.x[x].c[k] = inner[k][x];
-    const PackJet<N> over = square(27.0 * (b[0] * b[1] * b[2]));
-    const PackRays<N, Pack> rays(b);
-    PackJet<N> weights[3], cubic_weights[3];
-    side_weights<2>(b, rays, weights);
-    side_weights<3>(b, rays, cubic_weights);
+    const JetOf<N, P> over = square(27.0 * (b[0] * b[1] * b[2]));
+    const Rays<N, P> rays(b);
+    JetOf<N, P> weights[3], cubic_weights[3];
+    set_side_weights<2>(b, rays, weights);
+    set_side_weights<3>(b, rays, cubic_weights);
     for (int x = 0; x < 3; ++x) p.x[x] = over * p.x[x];
     for (int i = 0; i < 3; ++i) {
-      p.add(-1.0 * (weights[i] * (square(rays.s[i]) * b[i])), packed_slopes_[i].at(rays.t[i]));
-      if (!second_cross_[i].empty()) p.add(0.5 * (square(b[i]) * cubic_weights[i]), packed_second_cross_[i].at(rays.t[i]));
+      add_product<N, P>(-1.0 * (weights[i] * (square(rays.s[i]) * b[i])), slopes_[i].at<N, P>(rays.t[i]), p);
+      if (bends_) add_product<N, P>(0.5 * (square(b[i]) * cubic_weights[i]), second_cross_[i].at<N, P>(rays.t[i]), p);
     }
     return p;
   }
-#endif
 
 private:
   /// What the bubble multiplies: its Taylor coefficients.
@@ -164,16 +140,17 @@ private:
     }
   }
 
-  std::array<PiecewisePolynomial, 3> slopes_, second_cross_;  // second_cross_: empty where there are none
-  std::array<PackedField, 3> packed_slopes_, packed_second_cross_;
+  std::array<PackedField, 3> slopes_, second_cross_;
   int degree_;
+  bool bends_;     // across the sides, by second_cross_
   Points inside_;  // as about_middle
 };
 
 }  // namespace
 
-SurfacePtr correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int second_cross, const Points& coefficients) {
-  return std::make_shared<Correction>(std::move(slopes), degree, second_cross, coefficients);
+SurfacePtr correction(const std::array<PiecewisePolynomial, 3>& slopes, int degree, int second_cross,
+                      const Points& coefficients) {
+  return std::make_shared<Correction>(slopes, degree, second_cross, coefficients);
 }
 
 namespace {

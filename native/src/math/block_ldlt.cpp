@@ -26,17 +26,16 @@ void subtract_products(double* y, const Eigen::Vector2d& x0, const Eigen::Vector
 #ifdef TRIPATCH_PACKS
 TRIPATCH_PACKED void subtract_packed(double* y, const Eigen::Vector2d& x0, const Eigen::Vector2d& x1, const double* l,
                                      const int* rows, int count) {
-  typedef long long Places __attribute__((vector_size(8 * lanes)));
   const Pack first = {x0[0], x0[1], x0[0], x0[1]}, second = {x1[0], x1[1], x1[0], x1[1]};
   for (int p = 0; p < count; ++p) {
     const Pack block = loaded(l + 4 * p);
     double* const to = y + 4 * rows[p];
-    store(loaded(to) -
-              (first * __builtin_shuffle(block, Places{0, 0, 1, 1}) + second * __builtin_shuffle(block, Places{2, 2, 3, 3})),
+    store(loaded(to) - (first * __builtin_shufflevector(block, block, 0, 0, 1, 1) +
+                        second * __builtin_shufflevector(block, block, 2, 2, 3, 3)),
           to);
   }
 }
-const auto subtract = __builtin_cpu_supports("avx2") ? subtract_packed : subtract_products;
+const auto subtract = has_packs() ? subtract_packed : subtract_products;
 #else
 constexpr auto subtract = subtract_products;
 #endif

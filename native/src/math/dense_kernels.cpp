@@ -5,11 +5,11 @@
 #include <limits>
 #include <vector>
 
+#include "tripatch/math/simd.h"
+
 // Eigen's products take what the compiler may assume of every machine. These are compiled for newer ones too, and chosen at run time;
-// newer machines all make the same bits, for each sum is made in the same order. Not under the thread sanitizer, which is not there yet
-// when the choice is made.
-#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__) && __GNUC__ >= 12 && !defined(__SANITIZE_THREAD__)
-#define TRIPATCH_KNOWS_MACHINES
+// newer machines all make the same bits, for each sum is made in the same order.
+#ifdef TRIPATCH_KNOWS_MACHINES
 #define TRIPATCH_FOR_EACH_MACHINE __attribute__((target_clones("arch=x86-64-v3", "default")))
 #define TRIPATCH_INLINE inline __attribute__((always_inline))
 #else

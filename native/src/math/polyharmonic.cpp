@@ -98,7 +98,7 @@ TRIPATCH_PACKED void PolyharmonicSum::add_odd_terms(const Lane<8>& x, const Lane
     for (int half = 0; half < 2; ++half) {
       const Pack dx = own[0][half] - all_lanes(center[0]), dy = own[1][half] - all_lanes(center[1]);
       square[half] = dx * dx + dy * dy;
-      kernel[half] = __builtin_ia32_sqrtpd256(square[half]);
+      kernel[half] = square_root(square[half]);
     }
     for (const Term& term : odd_) {
       for (int k = 0; k < term.step; ++k)
@@ -127,7 +127,7 @@ TRIPATCH_PACKED void PolyharmonicSum::add_odd_derivatives(const Lane<lanes>& x, 
   for (Index i = 0; i < centers_.rows(); ++i, center += 2) {
     const Pack dx = own_x - all_lanes(center[0]), dy = own_y - all_lanes(center[1]), square = dx * dx + dy * dy;
     const auto beside = square < nearest;
-    const Pack apart = beside ? nearest : square, root = __builtin_ia32_sqrtpd256(apart);
+    const Pack apart = beside ? nearest : square, root = square_root(apart);
     const Pack a = beside ? all_lanes(beside_center) : dx, b = beside ? all_lanes(0) : dy;
     Pack lower = root;
     int power = 1;
@@ -139,7 +139,7 @@ TRIPATCH_PACKED void PolyharmonicSum::add_odd_derivatives(const Lane<lanes>& x, 
       jet[0] = lower * square;
       if (e == 1) {
         slope = 1 / root;
-        jet[0] = __builtin_ia32_sqrtpd256(square);
+        jet[0] = square_root(square);
       }
       jet[1] = slope * dx;
       jet[2] = slope * dy;
@@ -292,7 +292,7 @@ void PolyharmonicSum::evaluate(const PlanePoints& at, int order, double* out) co
   [[maybe_unused]] constexpr int eight = 8, four = 4, two = 2;  // as many as registers hold
   Index k = 0;
 #ifdef TRIPATCH_PACKS
-  static const bool packs = __builtin_cpu_supports("avx2");
+  const bool packs = has_packs();
   for (; packs && order == 0 && k + four < at.rows(); k += eight) {
     check_interruption();
     values_at<eight>(at, k, out);

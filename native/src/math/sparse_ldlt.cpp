@@ -50,8 +50,7 @@ TRIPATCH_PACKED void subtract_columns_packed(double* y, const Columns& columns, 
 template <int N>
 void subtract_columns(double* y, const Columns& columns, const int* rows, int size) {
 #ifdef TRIPATCH_PACKS
-  static const bool are_there = __builtin_cpu_supports("avx2");
-  if (are_there) return subtract_columns_packed<N>(y, columns, rows, size);
+  if (has_packs()) return subtract_columns_packed<N>(y, columns, rows, size);
 #endif
   subtract_columns_from<N>(0, y, columns, rows, size);
 }

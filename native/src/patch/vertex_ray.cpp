@@ -15,9 +15,7 @@ VertexRay::VertexRay(const Boundary& boundary, int i, RayDegree degree)
       degree_(degree),
       c_(boundary.ribbons[i].c),
       slope_(slope_at_side(boundary.ribbons[i])),
-      packed_c_(c_),
-      packed_slope_(slope_),
-      same_pieces_(packed_c_.has_places_of(packed_slope_)) {
+      same_pieces_(c_.has_places_of(slope_)) {
   const auto& ribbons = boundary.ribbons;
   for (int k = 0; k < 3; ++k) corner_[k] = ribbons[(k + 2) % 3].c(0);
   // towards corner i + 1 along side i + 2, towards corner i + 2 back along side i + 1
@@ -35,7 +33,8 @@ VertexRay::VertexRay(const Boundary& boundary, int i, RayDegree degree)
   // such that a ray along one of the other two sides has that side's own second derivative. The d' and c'' of a spline in between
   // are left alone: the patch would take four of its derivatives.
   const PiecewisePolynomial& d = ribbons[i].d;
-  const Vec3 c0 = c_.derivative_at(0, 2), c1 = c_.derivative_at(1, 2), d0 = d.derivative_at(0), d1 = d.derivative_at(1);
+  const Vec3 c0 = ribbons[i].c.derivative_at(0, 2), c1 = ribbons[i].c.derivative_at(1, 2), d0 = d.derivative_at(0),
+             d1 = d.derivative_at(1);
   const Vec3 q0 = next.c.derivative_at(1, 2) + d0 - 0.25 * c0, q1 = previous.c.derivative_at(0, 2) - d1 - 0.25 * c1;
   const Vec3 q = q1 - q0, e = d1 - d0, c = c1 - c0;
   side_second_ = {q0 - d0 + 0.25 * c0, q + 2 * d0 - e + 0.25 * c - c0, 2 * e + c0 - c, c};

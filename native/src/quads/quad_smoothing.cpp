@@ -252,10 +252,7 @@ private:
 
 #ifdef TRIPATCH_PACKS
   /// Whether the corners at a vertex can be looked at by fours: all of quads, none turned over.
-  bool in_packs(Index v) const {
-    static const bool are_there = __builtin_cpu_supports("avx2");
-    return are_there && bound_ == 0 && !beside_triangle_[v];
-  }
+  bool in_packs(Index v) const { return has_packs() && bound_ == 0 && !beside_triangle_[v]; }
 
   /// Up to four corners at a vertex which see it alike; beyond the last it again.
   struct Four {

@@ -57,11 +57,6 @@ struct Apexes {
 };
 
 #ifdef TRIPATCH_PACKS
-TRIPATCH_PACKED_INLINE Pack smaller(const Pack& a, const Pack& b) { return a < b ? a : b; }
-
-/// Whether a lane of a is not below s.
-TRIPATCH_PACKED_INLINE bool any_at_least(const Pack& a, double s) { return __builtin_ia32_movmskpd256(Pack(a >= s)) != 0; }
-
 /// The same bits as Filler::compare, of four apexes or more. only_best: where four are all worse than one before them, only so much as the
 /// fills beyond them tell.
 TRIPATCH_PACKED void compare_packed(const Apexes& apexes, bool only_best, double* score) {
@@ -351,8 +346,7 @@ private:
   void compare(Index i, Index k, Index n, [[maybe_unused]] bool only_best) {
     const Index from = i + 1, count = k - i - 1;
 #ifdef TRIPATCH_PACKS
-    static const bool packs = __builtin_cpu_supports("avx2");
-    if (packs && count >= lanes) {
+    if (has_packs() && count >= lanes) {
       const auto row = [&](const Square& square, Index of) { return square.data() + of * n + from; };
       Apexes apexes;
       for (int c = 0; c < 3; ++c) {

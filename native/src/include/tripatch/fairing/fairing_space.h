@@ -86,7 +86,7 @@ std::vector<Jet<N>> scalar_basis(const Barycentric<N>& b, int degree, int second
 
 /// What a fairing adds to a patch. slopes: on each side, what is added to the derivative across it; coefficients: of scalar_basis,
 /// one a row.
-SurfacePtr correction(std::array<PiecewisePolynomial, 3> slopes, int degree, int second_cross, const Points& coefficients);
+SurfacePtr correction(const std::array<PiecewisePolynomial, 3>& slopes, int degree, int second_cross, const Points& coefficients);
 
 /// The scalar functions of t that alpha and beta may gain: 4 t (1 - t) times the Bernstein polynomials of degree count - 1.
 std::vector<PiecewisePolynomial> slope_functions(int count);

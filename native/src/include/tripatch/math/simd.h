@@ -1,42 +1,99 @@
-// Four doubles in a register, or eight, where compiler and machine have them: chosen at run time. Nothing is fused, so that the bits are
-// those of one number after the other.
+// Four doubles in a register, by the vectors that GCC and clang have: on x86-64 with AVX2, which is asked for at run time, on other machines
+// with what each of them has. Nothing is fused, so that the bits are those of one number after the other.
 #pragma once
 
-#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__)
-#if __GNUC__ >= 12
+#include <cstddef>  // with it the C library says what it is
+
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define TRIPATCH_THREAD_SANITIZER
+#endif
+#elif defined(__SANITIZE_THREAD__)
+#define TRIPATCH_THREAD_SANITIZER
+#endif
+
+// The thread sanitizer is not there yet when static variables ask what the machine is.
+#if (defined(__clang__) || (defined(__GNUC__) && __GNUC__ >= 12)) && !defined(TRIPATCH_THREAD_SANITIZER)
 #define TRIPATCH_PACKS
+/// For what is compiled once for several machines: the compiler knows them by name, and the C library which of them it is.
+#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
+#define TRIPATCH_KNOWS_MACHINES
+#endif
+#ifdef __x86_64__
 #define TRIPATCH_PACKED __attribute__((target("avx2")))
-#define TRIPATCH_PACKED_INLINE __attribute__((target("avx2"), always_inline)) inline
-// The same for registers of eight, and for either: whatever the caller has.
-#define TRIPATCH_WIDE __attribute__((target("arch=x86-64-v4,prefer-vector-width=512"), optimize("fp-contract=off")))
+#else
+#define TRIPATCH_PACKED
+#endif
+#define TRIPATCH_PACKED_INLINE TRIPATCH_PACKED __attribute__((always_inline)) inline
+/// For formulas of packs and of single numbers: compiled as whatever they are inlined into. Packed functions
+/// take no packs from them by value: clang refuses that.
 #define TRIPATCH_ANY_PACK __attribute__((always_inline)) inline
 #define TRIPATCH_ANY_PACK_LAMBDA __attribute__((always_inline))
+#else
+#define TRIPATCH_ANY_PACK inline
+#define TRIPATCH_ANY_PACK_LAMBDA
 #endif
-#endif
+
+namespace tripatch {
+
+/// How many numbers a pack, or a number itself, holds.
+template <class P>
+constexpr int width_of = sizeof(P) / sizeof(double);
 
 #ifdef TRIPATCH_PACKS
 // What is inlined everywhere is handed to no function: how that would be done does not matter.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
-namespace tripatch {
-
 constexpr int lanes = 4;
 typedef double Pack __attribute__((vector_size(8 * lanes)));
-typedef double WidePack __attribute__((vector_size(64)));
-/// Numbers in one of either.
-template <class P>
-constexpr int width_of = sizeof(P) / sizeof(double);
 /// Anywhere in memory.
 typedef double LoosePack __attribute__((vector_size(8 * lanes), aligned(8), may_alias));
 
-TRIPATCH_PACKED_INLINE Pack all_lanes(double s) { return Pack{s, s, s, s}; }
-template <class P>
-TRIPATCH_ANY_PACK P all_lanes_of(double s) {
-  return s + P{};  // added to 0, for GCC 12 makes eight instructions of eight times the same number
+/// Whether the machine has registers for packs.
+inline bool has_packs() {
+#ifdef __x86_64__
+  static const bool avx2 = __builtin_cpu_supports("avx2");
+  return avx2;
+#else
+  return true;
+#endif
 }
-TRIPATCH_ANY_PACK Pack loaded(const double* from) { return *reinterpret_cast<const LoosePack*>(from); }
-TRIPATCH_PACKED_INLINE void store(const Pack& pack, double* to) { *reinterpret_cast<LoosePack*>(to) = pack; }
 
-}  // namespace tripatch
+TRIPATCH_PACKED_INLINE Pack all_lanes(double s) { return Pack{s, s, s, s}; }
+TRIPATCH_PACKED_INLINE Pack loaded(const double* from) { return *reinterpret_cast<const LoosePack*>(from); }
+TRIPATCH_PACKED_INLINE void store(const Pack& pack, double* to) { *reinterpret_cast<LoosePack*>(to) = pack; }
+TRIPATCH_PACKED_INLINE Pack square_root(const Pack& x) {
+#ifdef __clang__
+  return __builtin_elementwise_sqrt(x);
+#elif defined(__x86_64__)
+  return __builtin_ia32_sqrtpd256(x);
+#else
+  return Pack{__builtin_sqrt(x[0]), __builtin_sqrt(x[1]), __builtin_sqrt(x[2]), __builtin_sqrt(x[3])};
+#endif
+}
+TRIPATCH_PACKED_INLINE Pack smaller(const Pack& a, const Pack& b) { return a < b ? a : b; }
+/// Whether a lane of a is not below s.
+TRIPATCH_PACKED_INLINE bool any_at_least(const Pack& a, double s) {
+#ifdef __x86_64__
+  return __builtin_ia32_movmskpd256(Pack(a >= s)) != 0;
+#else
+  return a[0] >= s || a[1] >= s || a[2] >= s || a[3] >= s;
+#endif
+}
 
 #endif
+
+/// A number in all lanes, or itself. Added to 0, for GCC 12 puts four times the same number in their places one by one.
+template <class P>
+TRIPATCH_ANY_PACK void spread(double s, P& out) {
+  out = s + P{};
+}
+template <class P>
+TRIPATCH_ANY_PACK double number(const P& of, [[maybe_unused]] int lane) {
+  if constexpr (width_of<P> == 1)
+    return of;
+  else
+    return of[lane];
+}
+
+}  // namespace tripatch

@@ -1,5 +1,5 @@
 // Positions and first derivatives, which fills ask for most, of side-vertex patches and what a fairing adds to them: the products of weights
-// and fields of rays written out. One formula for one point (P: double) and for several (Pack, WidePack), so that the bits are the same.
+// and fields of rays written out. One formula for one point (P: double) and for several (Pack), so that the bits are the same.
 #pragma once
 
 #include "tripatch/patch/simd.h"
@@ -80,20 +80,7 @@ TRIPATCH_ANY_PACK void add_field(const Plane<N, P>& weight, const Plane<N, P>& t
     }
 }
 
-/// A field and its derivative at t.
-template <int N>
-void field_at(const PiecewisePolynomial& field, const PackedField&, const double& t, double (&out)[N + 1][3]) {
-  field.taylor(t, N, out[0]);
-}
-#ifdef TRIPATCH_PACKS
-template <int N, class P>
-  requires(width_of<P> > 1)
-TRIPATCH_ANY_PACK void field_at(const PiecewisePolynomial&, const PackedField& field, const P& t, P (&out)[N + 1][3]) {
-  field.taylor<N>(field.places(t), out);
-}
-#endif
-
-/// The same of a polynomial of degree 3, by its coefficients.
+/// A polynomial of degree 3 and its derivative at t, by its coefficients.
 template <int N, class P>
 TRIPATCH_ANY_PACK void cubic_at(const std::array<Vec3, 4>& a, const P& t, P (&out)[N + 1][3]) {
   for (int x = 0; x < 3; ++x) {
@@ -103,69 +90,48 @@ TRIPATCH_ANY_PACK void cubic_at(const std::array<Vec3, 4>& a, const P& t, P (&ou
   }
 }
 
-/// The formula `plane` of a surface as `at` of it.
-template <int N, class Derived>
-JetPoint<N> point_of_plane(const Derived& surface, const Barycentric<N>& b) {
-  const double at[3] = {b[0].value(), b[1].value(), b[2].value()};
-  TangentPlane<N, double> plane;
-  surface.template plane<N>(at, plane);
-  JetPoint<N> p;
-  for (int k = 0; k < jet_size(N); ++k)
-    for (int x = 0; x < 3; ++x) p.x[x].c[k] = plane[k][x];
-  return p;
-}
-#ifdef TRIPATCH_PACKS
-template <int N, class P, class Derived>
-TRIPATCH_ANY_PACK PackPoint<N, P> point_of_plane(const Derived& surface, const PackBarycentric<N, P>& b) {
-  const P at[3] = {b[0].c[0], b[1].c[0], b[2].c[0]};
-  TangentPlane<N, P> plane;
-  surface.template plane<N>(at, plane);
-  PackPoint<N, P> p;
-  for (int k = 0; k < jet_size(N); ++k)
-    for (int x = 0; x < 3; ++x) p.x[x].c[k] = plane[k][x];
-  return p;
-}
-#endif
-
-/// A JetSurface whose formula Derived has for several points too: written out as `plane`, and of jets
-///   `template <int N> PackPoint<N> of_jets(const PackBarycentric<N>& b) const;` (under TRIPATCH_PACKS, N up to highest_packed).
+/// A surface whose formula Derived has for one point and for several: written out as `plane`, and of jets
+///   `template <int N, class P> PointOf<N, P> jets(const PlaceOf<N, P>& b) const;` (N above highest_written_out)
 template <class Derived>
 class PackedSurface : public JetSurface<Derived> {
 public:
   static constexpr int highest_packed = 3;  ///< order that fairing asks for
 
-#ifdef TRIPATCH_PACKS
+  template <int N>
+  JetPoint<N> at(const Barycentric<N>& b) const {
+    return at<N, double>(b);
+  }
+
 private:
-  void evaluate_regular(const double* b, Index n, int order, double* out) const override {
-    static const bool packs = __builtin_cpu_supports("avx2"), wide = __builtin_cpu_supports("x86-64-v4");
-    if (!packs || n < lanes || order < 0 || order > highest_packed)
-      return JetSurface<Derived>::evaluate_regular(b, n, order, out);
-    if (wide && order <= highest_written_out)
-      return with_order<0, highest_written_out>(order, [&](auto N) { run_wide<N.value>(b, n, out); });
-    with_order<0, highest_packed>(order, [&](auto N) { run_packed<N.value>(b, n, out); });
-  }
-
-  template <int N>
-  TRIPATCH_PACKED void run_packed(const double* b, Index n, double* out) const {
-    run<N, Pack>(b, n, out);
-  }
-  template <int N>
-  TRIPATCH_WIDE void run_wide(const double* b, Index n, double* out) const {
-    run<N, WidePack>(b, n, out);
-  }
-
   template <int N, class P>
-  TRIPATCH_ANY_PACK void run(const double* b, Index n, double* out) const {
-    constexpr int size = jet_size(N), lanes = width_of<P>;
+  TRIPATCH_ANY_PACK PointOf<N, P> at(const PlaceOf<N, P>& b) const {
     const Derived& derived = static_cast<const Derived&>(*this);
+    if constexpr (N > highest_written_out) {
+      return derived.template jets<N, P>(b);
+    } else {
+      const P at[3] = {b[0].c[0], b[1].c[0], b[2].c[0]};
+      TangentPlane<N, P> plane;
+      derived.template plane<N>(at, plane);
+      PointOf<N, P> p;
+      for (int k = 0; k < jet_size(N); ++k)
+        for (int x = 0; x < 3; ++x) p.x[x].c[k] = plane[k][x];
+      return p;
+    }
+  }
+
+#ifdef TRIPATCH_PACKS
+  void evaluate_regular(const double* b, Index n, int order, double* out) const override {
+    if (!has_packs() || n < lanes || order < 0 || order > highest_packed)
+      return JetSurface<Derived>::evaluate_regular(b, n, order, out);
+    with_order<0, highest_packed>(order, [&](auto N) { run<N.value>(b, n, out); });
+  }
+
+  template <int N>
+  TRIPATCH_PACKED void run(const double* b, Index n, double* out) const {
+    constexpr int size = jet_size(N);
     for (Index first = 0; first < n; first += lanes, b += 3 * lanes, out += 3 * size * lanes) {
       const Index count = std::min<Index>(lanes, n - first);
-      const PackBarycentric<N, P> at(b, count);
-      PackPoint<N, P> p;
-      if constexpr (N <= highest_written_out)
-        p = point_of_plane(derived, at);
-      else
-        p = derived.of_jets(at);
+      const PackPoint<N> p = at<N, Pack>(PackBarycentric<N>(b, count));
       for (Index lane = 0; lane < count; ++lane)
         for (int k = 0; k < size; ++k)
           for (int x = 0; x < 3; ++x) out[(lane * size + k) * 3 + x] = p.x[x].c[k][lane];

@@ -23,12 +23,19 @@ public:
 
   template <int N>
   JetPoint<N> at(const Barycentric<N>& b) const {
-    switch (degree_) {
-      case RayDegree::quadratic: return at<N, RayDegree::quadratic>(b);
-      case RayDegree::cubic: return at<N, RayDegree::cubic>(b);
-      default: return at<N, RayDegree::quintic>(b);
-    }
+    return at(b[(i_ + 1) % 3] + b[(i_ + 2) % 3], ray_parameter(b, i_));
   }
+  /// From the places on the rays: fraction, 0 at the vertex, and parameter of the side.
+  template <int N>
+  JetPoint<N> at(const Jet<N>& s, const Jet<N>& t) const {
+    return by_degree<N, double>(s, t);
+  }
+#ifdef TRIPATCH_PACKS
+  template <int N>
+  TRIPATCH_PACKED PackPoint<N> at(const PackJet<N>& s, const PackJet<N>& t) const {
+    return by_degree<N, Pack>(s, t);
+  }
+#endif
 
   /// Adds the ray at points, times a weight. Cubic and quintic rays only.
   template <int N, RayDegree Degree, class P>
@@ -71,43 +78,36 @@ public:
     }
   }
 
-#ifdef TRIPATCH_PACKS
-  /// The same of several points, from their places on the rays: fraction and parameter of the side.
-  template <int N>
-  TRIPATCH_PACKED PackPoint<N> at(const PackJet<N>& s, const PackJet<N>& t) const {
-    return degree_ == RayDegree::quintic ? at<N, RayDegree::quintic>(s, t)
-           : degree_ == RayDegree::cubic ? at<N, RayDegree::cubic>(s, t)
-                                         : at<N, RayDegree::quadratic>(s, t);
-  }
-#endif
-
 private:
   /// Curve and slope of the side.
-  template <int N>
-  void side_at(const double& t, double (&c)[N + 1][3], double (&slope)[N + 1][3]) const {
-    c_.taylor(t, N, c[0]);
-    slope_.taylor(t, N, slope[0]);
-  }
-#ifdef TRIPATCH_PACKS
   template <int N, class P>
-    requires(width_of<P> > 1)
   TRIPATCH_ANY_PACK void side_at(const P& t, P (&c)[N + 1][3], P (&slope)[N + 1][3]) const {
-    const PackedField::Places<P> places = packed_c_.places(t);
-    packed_c_.taylor<N>(places, c);
-    packed_slope_.taylor<N>(same_pieces_ ? places : packed_slope_.places(t), slope);
+    const PackedField::Places<P> places = c_.places(t);
+    c_.taylor<N>(places, c);
+    slope_.taylor<N>(same_pieces_ ? places : slope_.places(t), slope);
   }
 
-  template <int N, RayDegree Degree>
-  TRIPATCH_PACKED PackPoint<N> at(const PackJet<N>& s, const PackJet<N>& t) const {
-    const Pack at = t.c[0];
-    Pack field[N + 1][3], polar[jet_size(N)][3] = {};
-    fill(field, corner_[i_]);
+  template <int N, class P>
+  TRIPATCH_ANY_PACK PointOf<N, P> by_degree(const JetOf<N, P>& s, const JetOf<N, P>& t) const {
+    switch (degree_) {
+      case RayDegree::quadratic: return formula<N, P, RayDegree::quadratic>(s, t);
+      case RayDegree::cubic: return formula<N, P, RayDegree::cubic>(s, t);
+      default: return formula<N, P, RayDegree::quintic>(s, t);
+    }
+  }
+
+  /// A polynomial in s and a field of t for each thing that is interpolated, so everything is done in (s, t) first.
+  template <int N, class P, RayDegree Degree>
+  TRIPATCH_ANY_PACK PointOf<N, P> formula(const JetOf<N, P>& s, const JetOf<N, P>& t) const {
+    const P& at = t.c[0];
+    P field[N + 1][3], slope[N + 1][3], polar[jet_size(N)][3] = {};
+    for (int x = 0; x < 3; ++x) spread(corner_[i_][x], field[0][x]);
     add<N, Degree>(0, s.c[0], field, polar, 1);
     if constexpr (Degree != RayDegree::quadratic) {
-      const Vec3 turned = to_previous_ - to_next_;
       for (int x = 0; x < 3; ++x) {
-        field[0][x] = to_next_[x] + at * turned[x];
-        field[1][x] = all_lanes(turned[x]);
+        const double turned = to_previous_[x] - to_next_[x];
+        field[0][x] = to_next_[x] + at * turned;
+        if constexpr (N > 0) spread(turned, field[1][x]);
       }
       add<N, Degree>(1, s.c[0], field, polar, 2);
     }
@@ -115,31 +115,24 @@ private:
       taylor<N>(vertex_second_, at, field);
       add<N, Degree>(2, s.c[0], field, polar);
     }
-    const PackedField::Places<Pack> places = packed_c_.places(at);
-    packed_c_.taylor<N>(places, field);
+    side_at<N>(at, field, slope);
     add<N, Degree>(3, s.c[0], field, polar);
-    packed_slope_.taylor<N>(same_pieces_ ? places : packed_slope_.places(at), field);
-    add<N, Degree>(4, s.c[0], field, polar);
+    add<N, Degree>(4, s.c[0], slope, polar);
     if constexpr (Degree == RayDegree::quintic) {
       taylor<N>(side_second_, at, field);
       add<N, Degree>(5, s.c[0], field, polar);
     }
-    return compose<N>(polar, s, t);
+    return composed<N, P>(polar, s, t);
   }
 
-  /// The vector in all lanes, without derivatives.
-  template <std::size_t Orders, class P>
-  TRIPATCH_ANY_PACK static void fill(P (&field)[Orders][3], const Vec3& v) {
-    for (int x = 0; x < 3; ++x) field[0][x] = all_lanes_of<P>(v[x]);
-  }
-
-  /// `field` times the polynomial that carries it along the ray, as below.
+  /// `field` times the polynomial that carries it along the ray; orders: of its coefficients, how many are not zero.
   template <int N, RayDegree Degree, class P>
   TRIPATCH_ANY_PACK static void add(int f, const P& s, const P (&field)[N + 1][3], P (&polar)[jet_size(N)][3],
                                     int orders = N + 1) {
     P along[N + 1] = {};
     const std::array<double, 6>& a = hermites[static_cast<int>(Degree)][f];
-    for (std::size_t k = coefficients<Degree>; k-- > 0;) {
+    constexpr std::size_t coefficients = Degree == RayDegree::quadratic ? 3 : Degree == RayDegree::cubic ? 4 : 6;
+    for (std::size_t k = coefficients; k-- > 0;) {
       for (int j = N; j > 0; --j) along[j] = along[j] * s + along[j - 1];
       along[0] = along[0] * s + a[k];
     }
@@ -148,6 +141,7 @@ private:
         for (int x = 0; x < 3; ++x) polar[jet_index(k, l)][x] += along[k] * field[l][x];
   }
 
+  /// Taylor coefficients of a polynomial about a place.
   template <int N, class P>
   TRIPATCH_ANY_PACK static void taylor(const std::array<Vec3, 4>& a, const P& at, P (&out)[N + 1][3]) {
     for (int x = 0; x < 3; ++x) {
@@ -157,51 +151,6 @@ private:
         out[0][x] = out[0][x] * at + a[k][x];
       }
     }
-  }
-#endif
-
-  /// Of the polynomials along a ray.
-  template <RayDegree Degree>
-  static constexpr std::size_t coefficients = Degree == RayDegree::quadratic ? 3
-                                              : Degree == RayDegree::cubic   ? 4
-                                                                             : 6;
-
-  /// A polynomial in s and a field of t for each thing that is interpolated, so everything is done in (s, t) first.
-  template <int N, RayDegree Degree>
-  JetPoint<N> at(const Barycentric<N>& b) const {
-    const Jet<N> s = b[(i_ + 1) % 3] + b[(i_ + 2) % 3];  // fraction of the ray, 0 at the vertex
-    const Jet<N> t = ray_parameter(b, i_);
-    using Field = std::array<Vec3, N + 1>;  // Taylor coefficients in t
-    std::array<Vec3, Jet<N>::size> polar;
-    polar.fill(Vec3::Zero());
-    // `field` times the polynomial that carries it along the ray; `orders`: of its coefficients, how many are not zero
-    const auto add = [&](int f, const Field& field, int orders = N + 1) {
-      std::array<double, N + 1> along;
-      taylor<N>(hermites[static_cast<int>(Degree)][f], s.value(), 0.0, along, coefficients<Degree>);
-      for (int k = 0; k <= N; ++k)
-        for (int l = 0; k + l <= N && l < orders; ++l) polar[jet_index(k, l)] += along[k] * field[l];
-    };
-    Field field;
-    field[0] = corner_[i_];
-    add(0, field, 1);
-    if constexpr (Degree != RayDegree::quadratic) {
-      field[0] = to_next_ + t.value() * (to_previous_ - to_next_);
-      if constexpr (N > 0) field[1] = to_previous_ - to_next_;
-      add(1, field, 2);
-    }
-    if constexpr (Degree == RayDegree::quintic) {
-      taylor<N>(vertex_second_, t.value(), Vec3(Vec3::Zero()), field);
-      add(2, field);
-    }
-    c_.taylor(t.value(), N, field[0].data());
-    add(3, field);
-    slope_.taylor(t.value(), N, field[0].data());
-    add(4, field);
-    if constexpr (Degree == RayDegree::quintic) {
-      taylor<N>(side_second_, t.value(), Vec3(Vec3::Zero()), field);
-      add(5, field);
-    }
-    return compose(polar, s, t);
   }
 
   /// Coefficients of 1, t, t^2, t^3.
@@ -219,21 +168,9 @@ private:
         {0, 0, 0, 0.5, -1, 0.5}}},
   }};
 
-  /// Taylor coefficients, to order N, of a polynomial about a place; count: of its coefficients, the others are 0.
-  template <int N, class T, std::size_t Count>
-  static void taylor(const std::array<T, Count>& a, double at, const T& zero, std::array<T, N + 1>& out,
-                     std::size_t count = Count) {
-    out.fill(zero);
-    for (std::size_t k = count; k-- > 0;) {
-      for (int j = N; j > 0; --j) out[j] = out[j] * at + out[j - 1];
-      out[0] = out[0] * at + a[k];
-    }
-  }
-
   int i_;
   RayDegree degree_;
-  PiecewisePolynomial c_, slope_;  ///< of the side: its curve and d/ds
-  PackedField packed_c_, packed_slope_;
+  PackedField c_, slope_;  ///< of the side: its curve and d/ds
   bool same_pieces_;
   std::array<Vec3, 3> corner_;
   Vec3 to_next_, to_previous_;         ///< slopes of the rays along the two sides at the vertex, the inward part included
