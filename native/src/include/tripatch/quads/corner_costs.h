@@ -16,27 +16,26 @@ constexpr int distortion_power = 3;
 constexpr int sharp_power = 8;
 constexpr double spacing = 0.25;  ///< weight of the evenness, a choice
 
-/// A function of two variables to second order about a place: its value, by u, by v, and the halves of uu, all of uv and of vv. As Jet<2>
-/// to the last bit, but inlined, and what does not change is a number: Newton's steps are nearly all of the time that quads take.
-struct Second {
-  double value = 0, u = 0, v = 0, uu = 0, uv = 0, vv = 0;
+/// A function of two variables to second order about a place: its value, by u, by v, and the halves of uu, all of uv and of vv; T: a double,
+/// or a Pack for four corners at a time. As Jet<2> to the last bit, but inlined, and what does not change is a number: Newton's steps are
+/// nearly all of the time that quads take.
+template <class T>
+struct SecondOf {
+  T value = {}, u = {}, v = {}, uu = {}, uv = {}, vv = {};
 
-  [[gnu::always_inline]] friend inline Second operator+(const Second& a, const Second& b) {
+  TRIPATCH_ANY_PACK friend SecondOf operator+(const SecondOf& a, const SecondOf& b) {
     return {a.value + b.value, a.u + b.u, a.v + b.v, a.uu + b.uu, a.uv + b.uv, a.vv + b.vv};
   }
-  [[gnu::always_inline]] friend inline Second operator-(const Second& a, const Second& b) {
+  TRIPATCH_ANY_PACK friend SecondOf operator-(const SecondOf& a, const SecondOf& b) {
     return {a.value - b.value, a.u - b.u, a.v - b.v, a.uu - b.uu, a.uv - b.uv, a.vv - b.vv};
   }
-  [[gnu::always_inline]] friend inline Second operator+(Second a, double b) {
-    a.value += b;
-    return a;
-  }
-  [[gnu::always_inline]] friend inline Second operator+(double b, const Second& a) { return a + b; }
-  [[gnu::always_inline]] friend inline Second operator*(double s, const Second& a) {
+  TRIPATCH_ANY_PACK friend SecondOf operator+(const SecondOf& a, const T& b) { return {a.value + b, a.u, a.v, a.uu, a.uv, a.vv}; }
+  TRIPATCH_ANY_PACK friend SecondOf operator+(const T& b, const SecondOf& a) { return a + b; }
+  TRIPATCH_ANY_PACK friend SecondOf operator*(const T& s, const SecondOf& a) {
     return {s * a.value, s * a.u, s * a.v, s * a.uu, s * a.uv, s * a.vv};
   }
-  [[gnu::always_inline]] friend inline Second operator*(const Second& a, double s) { return s * a; }
-  [[gnu::always_inline]] friend inline Second operator*(const Second& a, const Second& b) {
+  TRIPATCH_ANY_PACK friend SecondOf operator*(const SecondOf& a, const T& s) { return s * a; }
+  TRIPATCH_ANY_PACK friend SecondOf operator*(const SecondOf& a, const SecondOf& b) {
     return {a.value * b.value,
             a.value * b.u + a.u * b.value,
             a.value * b.v + a.v * b.value,
@@ -44,64 +43,38 @@ struct Second {
             a.value * b.uv + a.u * b.v + a.v * b.u + a.uv * b.value,
             a.value * b.vv + a.v * b.v + a.vv * b.value};
   }
-  /// f(a) by f, f' and f''/2 at a's value.
-  [[gnu::always_inline]] friend inline Second composed(const std::array<double, 3>& f, const Second& a) {
-    const double u = f[2] * a.u, v = f[2] * a.v;
-    return {f[0], f[1] * a.u, f[1] * a.v, f[1] * a.uu + u * a.u, f[1] * a.uv + u * a.v + v * a.u, f[1] * a.vv + v * a.v};
-  }
 };
+using Second = SecondOf<double>;
 
-[[gnu::always_inline]] inline Second one_over(const Second& a) {
-  const double f = 1 / a.value, slope = -f * f;
-  return composed({f, slope, -slope * f}, a);
+/// f(a) by f, f' and f''/2 at a's value.
+template <class T>
+TRIPATCH_ANY_PACK SecondOf<T> composed(const T& f, const T& slope, const T& bend, const SecondOf<T>& a) {
+  const T u = bend * a.u, v = bend * a.v;
+  return {f, slope * a.u, slope * a.v, slope * a.uu + u * a.u, slope * a.uv + u * a.v + v * a.u, slope * a.vv + v * a.v};
+}
+template <class T>
+TRIPATCH_ANY_PACK SecondOf<T> one_over(const SecondOf<T>& a) {
+  const T f = 1 / a.value, slope = -f * f;
+  return composed<T>(f, slope, -slope * f, a);
 }
 inline Second root_of(const Second& a) {
   const double f = std::sqrt(a.value), slope = f * 0.5 / a.value;
-  return composed({f, slope, slope * -0.5 / (2 * a.value)}, a);
+  return composed(f, slope, slope * -0.5 / (2 * a.value), a);
 }
 inline double root_of(double x) { return std::sqrt(x); }
-[[gnu::always_inline]] inline Second ratio(const Second& a, const Second& b) { return a * one_over(b); }
+TRIPATCH_ANY_PACK Second ratio(const Second& a, const Second& b) { return a * one_over(b); }
 inline Second ratio(const Second& a, double b) { return a * (1 / b); }
 inline Second ratio(double a, const Second& b) { return a * one_over(b); }
 inline double ratio(double a, double b) { return a / b; }
 
 #ifdef TRIPATCH_PACKS
-/// The same of four corners at a time, in the same order of operations and with nothing fused: to the last bit. Written again, for what is
-/// inlined must be marked for these machines, or it is taken apart into halves before it gets there.
+/// The same of four corners at a time, in the same order of operations and with nothing fused: to the last bit.
 namespace packed {
 
-struct Second {
-  Pack value, u, v, uu, uv, vv;
-
-  TRIPATCH_PACKED_INLINE friend Second operator+(const Second& a, const Second& b) {
-    return {a.value + b.value, a.u + b.u, a.v + b.v, a.uu + b.uu, a.uv + b.uv, a.vv + b.vv};
-  }
-  TRIPATCH_PACKED_INLINE friend Second operator-(const Second& a, const Second& b) {
-    return {a.value - b.value, a.u - b.u, a.v - b.v, a.uu - b.uu, a.uv - b.uv, a.vv - b.vv};
-  }
-  TRIPATCH_PACKED_INLINE friend Second operator+(const Second& a, const Pack& b) {
-    return {a.value + b, a.u, a.v, a.uu, a.uv, a.vv};
-  }
-  TRIPATCH_PACKED_INLINE friend Second operator+(const Pack& b, const Second& a) { return a + b; }
-  TRIPATCH_PACKED_INLINE friend Second operator*(const Pack& s, const Second& a) {
-    return {s * a.value, s * a.u, s * a.v, s * a.uu, s * a.uv, s * a.vv};
-  }
-  TRIPATCH_PACKED_INLINE friend Second operator*(const Second& a, const Pack& s) { return s * a; }
-  TRIPATCH_PACKED_INLINE friend Second operator*(const Second& a, const Second& b) {
-    return {a.value * b.value,
-            a.value * b.u + a.u * b.value,
-            a.value * b.v + a.v * b.value,
-            a.value * b.uu + a.u * b.u + a.uu * b.value,
-            a.value * b.uv + a.u * b.v + a.v * b.u + a.uv * b.value,
-            a.value * b.vv + a.v * b.v + a.vv * b.value};
-  }
-};
+using corner_costs::one_over;
+using Second = SecondOf<Pack>;
 
 TRIPATCH_PACKED_INLINE Pack one_over(const Pack& x) { return 1 / x; }
-TRIPATCH_PACKED_INLINE Second one_over(const Second& a) {
-  const Pack f = 1 / a.value, slope = -f * f, bend = -slope * f, u = bend * a.u, v = bend * a.v;
-  return {f, slope * a.u, slope * a.v, slope * a.uu + u * a.u, slope * a.uv + u * a.v + v * a.u, slope * a.vv + v * a.v};
-}
 TRIPATCH_PACKED_INLINE Pack ratio(const Pack& a, const Pack& b) { return a / b; }
 template <class A, class B>
 TRIPATCH_PACKED_INLINE auto ratio(const A& a, const B& b) {
@@ -138,7 +111,8 @@ TRIPATCH_PACKED_INLINE Arm<Second> backwards(const Arm<Second>& arm) {
 /// As Smoother's, between edges of quads none of which is turned over.
 template <class A, class B>
 TRIPATCH_PACKED_INLINE auto distortion(const Pack (&n)[3], const Arm<A>& next, const Arm<B>& last, bool in_space, bool sharp) {
-  const auto &a = next.to, &b = last.to;
+  const auto& a = next.to;
+  const auto& b = last.to;
   auto area = a[0] * b[1] - a[1] * b[0];
   if (in_space) area = n[0] * (a[1] * b[2] - a[2] * b[1]) + n[1] * (a[2] * b[0] - a[0] * b[2]) + n[2] * area;
   if (sharp) {
