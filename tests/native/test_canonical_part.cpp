@@ -158,7 +158,7 @@ TEST_CASE("where beginnings of a rim are alike it is begun at the lowest number,
   CHECK(first == lowest);
 }
 
-TEST_CASE("where a rim alone does not say where it begins two rings around it do, whatever lies beyond", "[thresholds]") {
+TEST_CASE("where a rim alone does not say where it begins two rings around it do, whatever lies beyond") {
   // a vertex of the grid is higher, one of the hole's four corners and one direction are nearest to it
   const auto begun = [](const std::vector<std::pair<Index, double>>& higher) {
     OwnMesh mesh = grid_with_hole(0);

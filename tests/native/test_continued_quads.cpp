@@ -200,7 +200,7 @@ TEST_CASE("rows go on across an outline whose inside hangs together by one row o
   CHECK(farthest(made.inside, grid.vertices(grid.lost, Eigen::all)) < 1e-9);
 }
 
-TEST_CASE("the corner of a box comes back round its pole, and rows do not go on past two", "[quad_rows][thresholds]") {
+TEST_CASE("the corner of a box comes back round its pole, and rows do not go on past two", "[quad_rows]") {
   const Quads corner = Quads::corner(6);
   Faces left;
   QuadsInside quads = corner.taken_out(at_the_corner, left);
@@ -226,34 +226,7 @@ TEST_CASE("the corner of a box comes back round its pole, and rows do not go on 
   CHECK_FALSE(go_on(corner.vertices, around, {quads.rim, cut, quads.inside}));
 }
 
-TEST_CASE("rows go on over up to 2,000 vertices inside, and all that is determined of so many", "[thresholds]") {
-  // an L: a bottom so long and wide, an arm so wide and long
-  const auto ell = [](std::array<Index, 2> bottom, std::array<Index, 2> arm) {
-    Quads grid = Quads::grid(std::max(bottom[0], bottom[1] + arm[1]) + 8);
-    Faces left;
-    const auto is_gone = [&](const Vec3& p) {
-      const Index x = static_cast<Index>(p[0]) - 4, y = static_cast<Index>(p[1]) - 4;
-      const bool low = x < bottom[0] && y < bottom[1], high = x < arm[0] && y < bottom[1] + arm[1];
-      return p.head<2>().minCoeff() > 4 && (low || high);
-    };
-    const QuadsInside quads = grid.taken_out(is_gone, left);
-    for (Index v = 0; v < grid.vertices.rows(); ++v)  // differences of the third order only are nothing
-      grid.vertices(v, 2) = 1e-3 * std::pow(grid.vertices(v, 0), 2) * std::sin(7 * std::pow(grid.vertices(v, 1), 2));
-    FillOptions options;
-    options.rim = quads.rim;
-    const Mesh mesh{grid.vertices, left};
-    const std::optional<Fill> fill = fill_with_rows(FillContext(mesh, options.rim, options), quads.rim, Output::quads);
-    for (Index k = 0; fill && k < fill->vertices.rows(); ++k) {
-      const Vec3 p = fill->vertices.row(k);
-      CHECK(std::abs(p[2] - 1e-3 * p[0] * p[0] * std::sin(7 * p[1] * p[1])) < 1e-6);
-    }
-    return std::pair(quads.inside, fill.has_value());
-  };
-  CHECK(ell({51, 21}, {26, 40}) == std::pair(Index{2000}, true));
-  CHECK(ell({30, 24}, {24, 58}) == std::pair(Index{2001}, false));
-}
-
-TEST_CASE("what a single row of quads around the corner of a box does not determine counts for nothing", "[thresholds]") {
+TEST_CASE("what a single row of quads around the corner of a box does not determine counts for nothing") {
   for (const Index size : {3, 4}) {
     Quads corner = Quads::corner(size + 1);
     Faces left;

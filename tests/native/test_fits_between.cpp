@@ -46,7 +46,7 @@ double largest_error(const Arc& arc) {
 
 }  // namespace
 
-TEST_CASE("no vertex is farther than another fit's reach from a fit, and sides look alike from both ends", "[thresholds]") {
+TEST_CASE("no vertex is farther than another fit's reach from a fit, and sides look alike from both ends") {
   for (int edges = 1; edges < 200; ++edges) {
     int left_out = 0, most = 0;
     for (int k = 0; k <= edges; ++k) {
@@ -81,7 +81,7 @@ TEST_CASE("fits between others lie in their planes and are known as those beside
   CHECK((told.frame.transpose() * told.normal).norm() < 1e-6);
 }
 
-TEST_CASE("where fits are not told by those around them, vertices between have fits of their own", "[thresholds]") {
+TEST_CASE("where fits are not told by those around them, vertices between have fits of their own") {
   constexpr double told = 0.05 * std::numbers::pi / 180 / 50;
   Arc arc(100);
   const std::vector<VertexFit> smooth = arc.fits;

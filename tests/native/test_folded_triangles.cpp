@@ -23,11 +23,6 @@ struct Hinge {
 
 }  // namespace
 
-TEST_CASE("an edge is folded where its triangles face more than 120 degrees apart", "[thresholds]") {
-  for (double angle : {0.0, 60.0, 119.9, -119.9}) CHECK(Hinge(angle).folded() == 0);
-  for (double angle : {120.1, 150.0, 180.0, -120.1}) CHECK(Hinge(angle).folded() == 1);
-}
-
 TEST_CASE("folds are counted at any size and for vertices of the mesh and new ones") {
   Hinge hinge(150);
   hinge.vertices *= 1e-100;
@@ -132,17 +127,12 @@ struct BesideRim {
 
 }  // namespace
 
-TEST_CASE("a face beside the rim is turned over 100 degrees away from those around it", "[thresholds]") {
-  for (const double degrees : {0.0, 60.0, 90.0, 99.0, 261.0}) CHECK_FALSE(BesideRim(degrees, 150).is_turned());
-  for (const double degrees : {101.0, 180.0, 259.0}) CHECK(BesideRim(degrees, 150).is_turned());
-}
-
-TEST_CASE("a face beside the rim is turned over where it is folded over one beside it", "[thresholds]") {
+TEST_CASE("a face beside the rim is turned over where it is folded over one beside it") {
   CHECK(BesideRim(150, 121).is_turned());
   CHECK_FALSE(BesideRim(150, 119).is_turned());
 }
 
-TEST_CASE("faces that face all ways do not tell whether one beside them is turned over", "[thresholds]") {
+TEST_CASE("faces that face all ways do not tell whether one beside them is turned over") {
   const auto is_turned = [](double along) {  // faces of area 1 and of this one, against it and along it
     BesideRim rim(180, 150);
     rim.vertices.row(3) << -2, 0, 0;

@@ -108,24 +108,6 @@ TEST_CASE("holes in a grid, round a pole or not, come back as they were") {
   CHECK(same > 0.94 * tried);  // round a pole of five a rim may wind further than once
 }
 
-TEST_CASE("rims up to 1000 edges grow", "[thresholds]") {
-  const auto strip = [](Index length) {  // one quad wide
-    PlanePoints rim(2 * length + 2, 2);
-    for (Index k = 0; k <= length; ++k) {
-      rim.row(k) << static_cast<double>(k), 0;
-      rim.row(2 * length + 1 - k) << static_cast<double>(k), 1;
-    }
-    std::vector<int> wanted(static_cast<std::size_t>(rim.rows()), 2);
-    for (const Index corner : {Index{0}, length, length + 1, 2 * length + 1}) wanted[static_cast<std::size_t>(corner)] = 1;
-    return grown_quads(rim, wanted);
-  };
-  const std::optional<PlaneLayout> longest = strip(499);
-  REQUIRE(longest);
-  CHECK(longest->faces.size() == 499);
-  CHECK(longest->uv.rows() == 1000);
-  CHECK(!strip(500));
-}
-
 TEST_CASE("an odd rim has one triangle, and what turns by a right angle too little a pole of three") {
   // a corner of a cube, seen along its diagonal: three quads, an edge of the rim halved
   PlanePoints rim(7, 2);

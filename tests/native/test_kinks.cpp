@@ -98,7 +98,7 @@ private:
 
 }  // namespace
 
-TEST_CASE("a patch that folds on one side of a kink folds, whichever way the side runs", "[thresholds]") {
+TEST_CASE("a patch that folds on one side of a kink folds, whichever way the side runs") {
   const Sides sides = kinked(hills);
   CHECK(count_folds(DownBetween(0, 0), sides) == 0);
   for (const double kink : {0.25, 0.5, 0.75}) {

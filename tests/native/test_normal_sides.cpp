@@ -149,15 +149,3 @@ TEST_CASE("normals that determine no curve are refused, with the corner") {
     CHECK(where(points, n).size() == 2);
   }
 }
-
-TEST_CASE("between normals of an edge that are 120 degrees apart the derivative across grows no more in the middle",
-          "[thresholds]") {
-  for (const double apart : {118.0, 122.0}) {
-    const double half = apart / 2 * std::numbers::pi / 180;
-    const Side side = side_from_normals({0, 0, 0}, {-std::sin(half), 0, std::cos(half)}, {1, 0, 0},
-                                        {std::sin(half), 0, std::cos(half)}, NormalCurve::hermite);
-    const double grows = side.r(0.5).norm() / side.c.derivative_at(0.5).norm() / std::cos(half);
-    CHECK(grows == Approx(std::min(1 / std::pow(std::cos(half), 2), 4.0)).epsilon(1e-9));
-    CHECK((grows < 4 - 1e-9) == (apart < 120));
-  }
-}

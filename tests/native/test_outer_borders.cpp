@@ -45,14 +45,6 @@ std::vector<char> outer(const Model& m) {
 
 }  // namespace
 
-TEST_CASE("a border is outer that as a whole turns by a quarter of a circle the other way", "[thresholds]") {
-  // The circle at angle a from the pole turns by 2 pi cos(a) as seen from the pole, here the other way: outer where cos(a) > 1/4.
-  const double limit = std::acos(0.25) * 180 / std::numbers::pi;
-  CHECK(outer(belt(10, limit - 1)) == std::vector<char>{0, 1});
-  CHECK(outer(belt(10, limit + 1)) == std::vector<char>{0, 0});
-  CHECK(outer(belt(60, 120)) == std::vector<char>{0, 0});
-}
-
 TEST_CASE("a hole that was cut into a few large faces is no outer border, although they are not convex beside it") {
   constexpr Index edges = 8;  // of each quarter of the hole
   Model plate;
@@ -92,7 +84,7 @@ TEST_CASE("an outer border counts where the mesh has no other") {
   CHECK(borders[0].diameter == Approx(2 * std::sin(std::numbers::pi / 3)).epsilon(1e-12));
 }
 
-TEST_CASE("what fills the border of a bowl that reaches 41 degrees from its middle would lie on it", "[thresholds]") {
+TEST_CASE("what fills the border of a bowl that reaches 41 degrees from its middle would lie on it") {
   const auto lies_on_it = [](double angle) {
     const Model m = belt(10, angle);
     return is_outer_border(m.mesh(), borders_of(m.mesh())[1].loop, true);

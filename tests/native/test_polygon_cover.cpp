@@ -87,33 +87,6 @@ TEST_CASE("polygon cover: an odd round rim that is not split leaves one triangle
     }
 }
 
-TEST_CASE("polygon cover: quads in a round rim that nobody counts cover 1.25 squares of its edges at most", "[thresholds]") {
-  constexpr Index edges = 32;
-  LayoutOptions none, plain;
-  plain.rows = 0;
-  const auto squares = [&](double height) {
-    const SurfacePtr surface = cap(height);
-    const PlaneCover cover = cover_of(edges, *surface, plain);
-    Points at = places_of(cover, *surface);
-    double area = 0;
-    for (Index f = 0; f < cover.faces.size(); ++f) {
-      const auto corner = [&](int k) { return Vec3(at.row(cover.faces[f][k])); };
-      area += 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
-      area += 0.5 * (corner(2) - corner(0)).cross(corner(3) - corner(0)).norm();
-    }
-    const double edge = 2 * std::sin(whole / 2 / edges);
-    return area / static_cast<double>(cover.faces.size()) / (edge * edge);
-  };
-  double lower = 0, higher = 2;
-  while (higher - lower > 1e-3) (squares((lower + higher) / 2) < 1.25 ? lower : higher) = (lower + higher) / 2;
-  CHECK(cover_of(edges, *cap(0), none).rows == 0);
-  CHECK(cover_of(edges, *cap(0.99 * lower), none).rows == 0);
-  CHECK(cover_of(edges, *cap(1.01 * higher), none).rows == 1);
-  CHECK(cover_of(edges, *cap(4 * higher), none).rows == max_extra_rows);  // no more than these, and no warning
-  CHECK(cover_of(edges, *cap(4 * higher), none).warnings.empty());
-  CHECK(cover_of(edges, *cap(4 * higher), plain).rows == 0);
-}
-
 TEST_CASE("quads between four sides meet points inside and split an edge of the rim, in a mesh and in its mirror image") {
   const tripatch::testing::PlaneRim given({90, 0, 0, 90, 0, 0, 90, 0, 0, 90, 0, 0, 0}, 1,
                                           {1, 1, 1, 1, 1, 1, 1.1, 0.9, 1, 0.75, 0.75, 0.75, 0.75});

@@ -245,32 +245,6 @@ TEST_CASE("polygon patch: a fillet, a strip of a torus, is made round") {
   CHECK(largest_distance(narrow, torus<50>) < 2e-6);
 }
 
-TEST_CASE("polygon patch: four sides are a strip from three times as long as wide on", "[thresholds]") {
-  const auto off = [](const Known& known, double round, double over, double ratio) {
-    PolygonPatchOptions options;
-    options.domain = PolygonDomain({Vec2(0, 0), Vec2(ratio, 0), Vec2(ratio, 1), Vec2(0, 1)});
-    return largest_distance(polygon_patch(sides_between(known, strip_of_torus(round, over)), options), known);
-  };
-  CHECK(off(torus<10>, 60, 30, 3.05) < 0.1 * off(torus<10>, 60, 30, 2.95));
-  CHECK(off(torus<50>, 200, 60, 3.05) < 0.1 * off(torus<50>, 200, 60, 2.95));
-}
-
-TEST_CASE("polygon patch: sides of more than eight pieces are measured without their kinks", "[thresholds]") {
-  const auto energy = [](int pieces) {
-    SideList sides = sides_between(saddle, ring(4));
-    std::vector<PiecewisePolynomial> waves;
-    for (int k = 0; k < pieces; ++k) {
-      const double high = k == 0 || k == pieces - 1 ? 0
-                          : k % 2                   ? 1e-4
-                                                    : -1e-4;  // nothing at the corners, where nothing is smoothed
-      waves.push_back(PiecewisePolynomial::bezier(std::vector<double>{0, 0, 0, 0, 0, 0, 0, 0, high, 0, 0, 0, 0, 0, 0}, 3));
-    }
-    for (Side& side : sides) side.c = side.c + PiecewisePolynomial::joined(waves);
-    return polygon_patch(sides).energy_before;
-  };
-  CHECK(energy(9) < 0.1 * energy(8));
-}
-
 TEST_CASE("polygon patch: plain patches come nearer with the fourth power of the hole's size") {
   for (const Known& known : {sphere, saddle})
     for (int n : {4, 5, 6}) {

@@ -108,22 +108,6 @@ TEST_CASE("where no rows would come within a thousandth and nobody asked for it,
   CHECK(cover.faces.size() == rim.cover(patch, {.rows = 0}).faces.size());
 }
 
-TEST_CASE("without a tolerance quads stay within a thousandth of the hole's diameter, in no more rows than that takes",
-          "[quad_cover][thresholds]") {
-  std::vector<int> rows;
-  for (double height : {0.005, 0.02, 0.05}) {
-    const Bump patch(height);
-    const Rim rim({6, 6, 6}, patch);
-    const Cover cover = rim.cover(patch, {});
-    CHECK(cover.warnings.empty());
-    const double size = diameter(rim.vertices);
-    CHECK(deviation(cover, height) <= 1e-3 * size);
-    if (cover.rows > 0) CHECK(deviation(rim.cover(patch, {.rows = cover.rows - 1}), height) > 1e-3 * size);
-    rows.push_back(cover.rows);
-  }
-  CHECK(rows.front() < rows.back());
-}
-
 TEST_CASE("an odd rim has its longest edge split, or a triangle, or neither where the rim is the fill's own", "[quad_cover]") {
   const Bump patch(0.1);
   const Rim rim({4, 4, 5}, patch);  // side 0, the hypotenuse, has the longest edges

@@ -405,7 +405,7 @@ TEST_CASE("a single row is no fill where the mesh joins what it would join") {
   CHECK_FALSE(fill_with_rows(ground, grid.rim, Output::quads));
 }
 
-TEST_CASE("what is missed is said as of the middle, alike in small blocks and in large ones", "[thresholds]") {
+TEST_CASE("what is missed is said as of the middle, alike in small blocks and in large ones") {
   const At waves = [](double i, double j) { return Vec3(i, j, std::sin(0.25 * i + 0.4) * std::cos(0.25 * j)); };
   std::vector<double> ratios;
   for (const Index n : {3, 6, 12}) {
@@ -416,67 +416,6 @@ TEST_CASE("what is missed is said as of the middle, alike in small blocks and in
   CHECK(most < 4 * least);  // to the power of 1 or 3 of the edges across it is more than 4 or 8 times
   CHECK(least > 0.3);
   CHECK(most < 5);
-}
-
-TEST_CASE("of more than 200 edges a side no rows are continued", "[thresholds]") {
-  for (const Index n : {200, 201}) {
-    const Grid grid(n, 2, 1, flat);
-    FillOptions options;
-    options.rim = grid.rim;
-    const Mesh mesh{grid.vertices, grid.faces};
-    CHECK(fill_with_rows(FillContext(mesh, options.rim, options), grid.rim, Output::quads).has_value() == (n == 200));
-  }
-}
-
-TEST_CASE("three rows are looked at beyond a side", "[thresholds]") {
-  for (const Index rows : {2, 3, 4, 6}) {
-    const Index seen = std::min<Index>(rows, 3);
-    CHECK(Grid(4, 3, rows, flat).known()->beyond() == std::array<Index, 4>{seen, seen, seen, seen});
-  }
-}
-
-TEST_CASE("in the middle of many steps cubics miss as much as the square of a quarter of these", "[thresholds]") {
-  CHECK(middle_over_first(4) == 1);
-  CHECK(middle_over_first(10) == Approx(6.25));
-  const double exact = std::pow(50.0, 4) / std::pow(1.0 * 99, 2);  // of x^2 (100 - x)^2
-  CHECK(middle_over_first(100) == Approx(exact).epsilon(0.03));
-}
-
-TEST_CASE("the surface goes through two rows beyond the rim", "[thresholds]") {
-  const At at = [](double i, double j) { return Vec3(i, j, 0.1 * std::cos(2 * i)); };
-  const Grid grid(4, 4, 3, at);
-  FillOptions options;
-  options.rim = grid.rim;
-  const Mesh mesh{grid.vertices, grid.faces};
-  const Fill made = fill_with_rows(FillContext(mesh, options.rim, options), grid.rim, Output::quads).value();
-  const Index low = std::ranges::find(made.rim, grid.vertex(0, 2)) - made.rim.begin(),
-              high = std::ranges::find(made.rim, grid.vertex(4, 2)) - made.rim.begin();
-  const Vec2 here = made.rim_uv.row(low), step = (made.rim_uv.row(high).transpose() - here) / 4;
-  const auto missed = [&](double rows) {
-    const Vec2 place = here - rows * step;
-    Points row(1, 3);
-    row << place[0], place[1], 0;
-    return std::abs(made.patch->positions(row)(0, 2) - at(-rows, 2)[2]);
-  };
-  CHECK(missed(1) < 0.01);  // steps are not quite equal
-  CHECK(missed(2) < 0.02);
-  CHECK(missed(3) > 0.1);
-}
-
-TEST_CASE("rows that lie next to each other stay a thousandth of the mean step apart in the domain", "[thresholds]") {
-  for (const double width : {9.2e-4, 8.3e-4}) {  // of steps that are 0.875 in the mean
-    const Grid grid(4, 3, 2, [&](double i, double j) { return Vec3(i < 2 ? i : i - 1 + width, j, 0); });
-    FillOptions options;
-    options.rim = grid.rim;
-    const Mesh mesh{grid.vertices, grid.faces};
-    const Fill made = fill_with_rows(FillContext(mesh, options.rim, options), grid.rim, Output::quads).value();
-    double least = INFINITY;
-    for (std::size_t k = 0; k < made.rim.size(); ++k) {
-      const Index a = static_cast<Index>(k), b = static_cast<Index>((k + 1) % made.rim.size());
-      least = std::min(least, (made.rim_uv.row(b) - made.rim_uv.row(a)).norm());
-    }
-    CHECK(least == Approx(std::max(width, 8.75e-4)).epsilon(2e-4));
-  }
 }
 
 TEST_CASE("rows that are asked for take the corners that they have, in any order, and refuse others by the rim") {

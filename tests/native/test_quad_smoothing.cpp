@@ -153,11 +153,3 @@ TEST_CASE("smoothed quads round poles of three, five and six lie where their dis
     CHECK(ways_down(layout, nullptr, width) == 0);
   }
 }
-
-TEST_CASE("an irregular vertex costs as much as 0.02 of the least scaled Jacobian", "[thresholds]") {
-  const auto worth = [](double irregular) {
-    PlaneLayout layout = Grid().layout;
-    return score_of_trial(layout, irregular);
-  };
-  for (const double poles : {1, 3}) CHECK(worth(0) - worth(poles) == Approx(0.02 * poles).epsilon(1e-9));
-}

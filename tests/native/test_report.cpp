@@ -153,26 +153,6 @@ TEST_CASE("a patch without area gives finite numbers") {
   CHECK(count_folds(Flat(0, 0), sides) == 65 * 66 / 2 - 3);
 }
 
-TEST_CASE("a corner has one plane up to a millionth of a degree, and beside one of two a hundredth of the side is left out",
-          "[thresholds]") {
-  for (const double degrees : {0.9e-6, 1.1e-6}) {
-    Report report;
-    measure_seam(Flat(), flat_sides({{{degrees * degree, 0}, {0, 0}, {0, 0}}}), report);
-    CHECK(report.seam_angle_max == Approx(degrees < 1e-6 ? degrees : 0.99 * degrees).epsilon(1e-6));
-  }
-}
-
-TEST_CASE("angles are told to two digits, from 99.5 degrees on to three", "[thresholds]") {
-  Report report;
-  const std::array<Index, 2> corners = {0, 1};
-  take_corners({5, 7}, corners, report);
-  report.corner_planes_angle = report.corner_normals_spread = {99.4, 99.6};
-  tell_corners(report);
-  REQUIRE(report.warnings.size() == 2);
-  CHECK_THAT(report.warnings[0].text(), Catch::Contains("differ by 99 degrees"));
-  CHECK_THAT(report.warnings[1].text(), Catch::Contains("differ by 99.6 degrees"));
-}
-
 TEST_CASE("triangles of a disc are measured alike whether their border is known or looked for") {
   // a fan round vertex 4, whose middle lies where it may fold or cross the rest
   for (const Vec3& middle : {Vec3(0.5, 0.5, 0.2), Vec3(3, 0.5, 0), Vec3(0.5, 0.5, -40), Vec3(0.2, 5, 0.1)}) {

@@ -56,26 +56,6 @@ TEST_CASE("planes and curvature of a side that runs aslant on a cylinder are the
   CHECK(std::sqrt(bent.fit.slope_variances[3]) < 1e-4);
 }
 
-TEST_CASE("eight vertices tell a cylinder", "[thresholds]") {
-  CHECK(Bent(3, 0.3).taken());
-  CHECK_FALSE(Bent(2, 0.5, 10).taken());
-}
-
-TEST_CASE("two rows of vertices tell a cylinder where they are five edges apart", "[thresholds]") {
-  CHECK_FALSE(Bent(6, 0, 4.95).taken());
-  CHECK(Bent(6, 0, 5.05).taken());
-}
-
-TEST_CASE("vertices lie off a cylinder by a thousandth of what they lie off a plane", "[thresholds]") {
-  const auto within = [](double off) {
-    Bent bent(6, 0);
-    bent.flat.w.position[bent.flat.local(3, -1)][2] += off;
-    return bent.taken();
-  };
-  CHECK(within(1.7e-3));  // of a height of 0.3 in 14 vertices
-  CHECK_FALSE(within(1.8e-3));
-}
-
 TEST_CASE("a side that is known is left as it is") {
   Bent bent(6, 0.1);
   bent.fit.slope_variances.assign(7, std::pow(0.9 * well_known, 2));

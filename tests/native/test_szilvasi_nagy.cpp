@@ -253,57 +253,6 @@ TEST_CASE("szilvasi_nagy: doubling the quadrature changes neither the least ener
   }
 }
 
-TEST_CASE("szilvasi_nagy: lambda is sought from a thousandth to a thousandth below 1", "[thresholds]") {
-  // the least energy is wanted at these places; its terms have nothing to do with each other
-  class Wanted final : public ShapeEnergy {
-  public:
-    explicit Wanted(const std::array<double, 3>& at) : at_(at) {}
-    Eigen::VectorXd stacked(int i, double lambda, int derivative) const override {
-      Eigen::VectorXd terms = Eigen::VectorXd::Zero(4);
-      terms[i] = derivative == 0 ? lambda - at_[i] : derivative == 1 ? 1 : 0;
-      if (i == 0 && derivative == 0) terms[3] = 1e-3;
-      return terms;
-    }
-
-  private:
-    std::array<double, 3> at_;
-  };
-  const auto found = [](const std::array<double, 3>& at) { return min_energy(Wanted(at), {0.5, 0.5, 0.5}).back().shape; };
-  const auto outside = found({0.99e-3, 1 - 0.99e-3, -0.1}), inside = found({1.01e-3, 1 - 1.01e-3, 0.25});
-  CHECK(outside[0] == Approx(1e-3).epsilon(1e-9));
-  CHECK(1 - outside[1] == Approx(1e-3).epsilon(1e-9));
-  CHECK(outside[2] == Approx(1e-3).epsilon(1e-9));
-  CHECK(inside[0] == Approx(1.01e-3).epsilon(1e-6));
-  CHECK(1 - inside[1] == Approx(1.01e-3).epsilon(1e-6));
-  CHECK(inside[2] == Approx(0.25));
-}
-
-TEST_CASE(
-    "szilvasi_nagy: lambda stays where the energy falls by less than 1e-10 of itself for each unit of log(lambda / (1 - lambda))",
-    "[thresholds]") {
-  // 1 + slope x + 10 slope x^2 of x = log(lambda / (1 - lambda)), for the first lambda: least at -1 / 20
-  class Slope final : public ShapeEnergy {
-  public:
-    explicit Slope(double slope) : slope_(slope) {}
-    Eigen::VectorXd stacked(int i, double lambda, int derivative) const override {
-      Eigen::VectorXd terms = Eigen::VectorXd::Zero(2);
-      if (i > 0) return terms;
-      const double spread = lambda * (1 - lambda);
-      const double x = derivative == 0   ? std::log(lambda / (1 - lambda))
-                       : derivative == 1 ? 1 / spread
-                                         : (2 * lambda - 1) / (spread * spread);
-      terms << (derivative == 0 ? 1 : 0) + slope_ * x / 2, std::sqrt(10 * slope_) * x;
-      return terms;
-    }
-
-  private:
-    double slope_;
-  };
-  const auto found = [](double slope) { return min_energy(Slope(slope), {0.5, 0.5, 0.5}).back().shape[0]; };
-  CHECK(found(0.9e-10) == 0.5);
-  CHECK(found(1.1e-10) == Approx(1 / (1 + std::exp(0.05))).epsilon(1e-6));
-}
-
 TEST_CASE("szilvasi_nagy: surfaces that agree leave lambda alone") {
   SzilvasiNagyOptions options;
   options.optimal = true;

@@ -272,12 +272,6 @@ TEST_CASE("a resolution far above the edges of the rim is met by lattices inside
   }
 }
 
-TEST_CASE("a resolution is met by lattices from two rows on", "[thresholds]") {
-  const Parameters p = {graded(32), graded(32), graded(32)};
-  CHECK(lattice_share(triangulate(p, 199, octant)) < 0.05);
-  CHECK(lattice_share(triangulate(p, 200, octant)) > 0.4);
-}
-
 TEST_CASE("sizes grow from a fine side to a coarse one") {
   const Parameters p = {graded(60), graded(6), graded(6)};
   const TriangleMesh mesh = triangulate(p, {}, flat);

@@ -1,4 +1,4 @@
-// What decides about fits to what is known, on both sides of each threshold.
+// Fits of planes to heights.
 #include <Eigen/QR>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -70,22 +70,6 @@ struct Normal {
 
 }  // namespace
 
-TEST_CASE("normal equations are taken where elimination leaves a ten-thousandth of each diagonal element", "[thresholds]") {
-  const Stencil s = stencil(2, [](double x, double y) { return 0.1 * std::sin(x + y); });
-  FitRoom room;
-  VarianceComponents components;
-  double low = 1, high = 1e12;  // of the variances of the terms: what few points do not tell
-  const auto taken = [&](double variance) {
-    components.term = {1, 100, variance, variance, variance, variance};
-    return fit_plane(s, components, room), room.normal_equations;
-  };
-  REQUIRE(taken(low));
-  REQUIRE_FALSE(taken(high));
-  while (high > 1.001 * low) (taken(std::sqrt(low * high)) ? low : high) = std::sqrt(low * high);
-  taken(low);
-  CHECK(Normal(s, components, fit_plane(s, components, room)).min_pivot() == Approx(1e-4).epsilon(0.02));
-}
-
 TEST_CASE("a fit that is refined is that of an orthogonal triangularization to its last digits") {
   const Stencil s = stencil(2, [](double x, double y) { return 0.1 * std::sin(x + y) + 0.03 * std::cos(2 * x * y); });
   VarianceComponents components;
@@ -116,19 +100,6 @@ TEST_CASE("a fit that is refined is that of an orthogonal triangularization to i
   CHECK(off < 1e-11 * fit.mean.norm());
 }
 
-TEST_CASE("surroundings that lie in a plane have the least variances that there are", "[thresholds]") {
-  const std::vector<Stencil> flat(3, stencil(4, [](double, double) { return 0.0; }));
-  for (const double bend : {0.0, 0.5}) {  // squared curvature that the faces show
-    const double radius = 2, noise = std::pow(1e-7 * radius, 2);
-    const VarianceComponents c = estimate_components({flat, flat, flat}, radius, bend);
-    CHECK(c.noise == Approx(noise));
-    CHECK(c.term[2] == Approx(std::max(noise / std::pow(radius, 4), 0.3 * bend)));
-    CHECK(c.term[3] == Approx(noise / std::pow(radius, 6)));
-    CHECK(c.truncation == Approx(1e-6 * noise / std::pow(radius, 12)));
-    CHECK(c.tilt == Approx(1e-4 * std::max(bend, 0.01 / (radius * radius))));
-  }
-}
-
 TEST_CASE("noise is found in as many rounds as there are") {
   for (const double deviation : {1e-4, 1e-2}) {
     std::mt19937 random(3);
@@ -140,29 +111,4 @@ TEST_CASE("noise is found in as many rounds as there are") {
     CAPTURE(deviation, std::sqrt(found));
     CHECK(std::abs(std::log(found / (deviation * deviation))) < 0.3);
   }
-}
-
-namespace {
-
-Points arc(double from, double to, int n) {
-  Points p(n, 3);
-  for (int k = 0; k < n; ++k) {
-    const double a = from + (to - from) * k / std::max(n - 1, 1);
-    p.row(k) << std::cos(a), std::sin(a), 0;
-  }
-  return p;
-}
-
-}  // namespace
-
-TEST_CASE("the curve of a crease is of order 2 to 5, and its gap as long as 64 chords of it", "[thresholds]") {
-  const CreaseCurve smooth(arc(-1.2, -0.5, 9), arc(0.5, 1.2, 9), 0.1);
-  CHECK(smooth.order() == 5);
-  CHECK(CreaseCurve(arc(-0.7, -0.5, 2), arc(0.5, 1.2, 1), 0.1).order() == 2);
-  const auto chords = [&](int n) {
-    const Points p = smooth.at(Eigen::VectorXd::LinSpaced(n + 1, 0, 1));
-    return (p.bottomRows(n) - p.topRows(n)).rowwise().norm().sum();
-  };
-  CHECK(chords(640) - chords(64) > 5e-6);
-  CHECK(smooth.length() == Approx(chords(64)).epsilon(3e-6));
 }

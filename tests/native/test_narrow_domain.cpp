@@ -1,4 +1,4 @@
-// What a mesh of a domain takes for an area, on both sides of each threshold.
+// Meshes of domains that are narrow strips.
 #include <catch2/catch.hpp>
 #include <numbers>
 
@@ -132,65 +132,6 @@ private:
 
 }  // namespace
 
-TEST_CASE("flips that come to no end are given up after 40 looks a triangle, and once they have after four", "[thresholds]") {
-  Restless mesh;
-  CHECK(mesh.looks(5) > 5);  // until no more are wanted
-  const double first = mesh.looks(200), then = mesh.looks(200);
-  CHECK(first > 39);
-  CHECK(first < 41.5);  // and a thousand in all
-  CHECK(then > 3);
-  CHECK(then < 5.5);
-}
-
-TEST_CASE("an edge is taken away that leaves triangles of a shape of 0.4", "[thresholds]") {
-  for (const double far : {0.80, 0.83}) {
-    Hexagon hexagon(far);
-    CAPTURE(hexagon.flattest());
-    REQUIRE(std::abs(hexagon.flattest() - 0.4) < 0.025);
-    CHECK(hexagon.triangles_left() == (hexagon.flattest() < 0.4 ? 6 : 4));
-  }
-}
-
-TEST_CASE("a triangle of a domain has an area from a billionth of its longest edge on", "[thresholds]") {
-  const auto has_area = [](double height) { return Star::positive(Vec3(0, 0, 0), Vec3(0, 1, 0), Vec3(0, 0.5, height)); };
-  CHECK_FALSE(has_area(0.97e-9));
-  CHECK(has_area(1.03e-9));
-  CHECK_FALSE(has_area(-1));
-}
-
-TEST_CASE("triangles face away from each other where both have an area of 2e-8 of their edges, or it is rounding",
-          "[thresholds]") {
-  Star star(1);
-  const Vec3 edge(1, 0, 0), up(0.5, 1, 0);
-  const auto thin = [](double height) { return Vec3(0.5, height, 0); };
-  CHECK(star.face_away({edge, up}, {edge, Vec3(0.5, -1, 0)}));
-  CHECK_FALSE(star.face_away({edge, up}, {edge, thin(0.5)}));
-  CHECK(star.face_away({edge, up}, {edge, thin(-0.53 * 2e-8)}));
-  CHECK_FALSE(star.face_away({edge, up}, {edge, thin(-0.47 * 2e-8)}));
-  CHECK_FALSE(star.face_away({edge, thin(0.47 * 2e-8)}, {edge, Vec3(0.5, -1, 0)}));
-  // half a right angle more than a right one, and 2e-8 of one more
-  CHECK(star.face_away({edge, up}, {edge, Vec3(0, -2.1e-8, 1)}));
-  CHECK_FALSE(star.face_away({edge, up}, {edge, Vec3(0, -1.9e-8, 1)}));
-  // nor where the height is a billionth of the size of the hole, to which coordinates far from the origin are rounded
-  star.set_lowest(1000);
-  CHECK(star.face_away({edge, up}, {edge, thin(-1.03e-6)}));
-  CHECK_FALSE(star.face_away({edge, up}, {edge, thin(-0.97e-6)}));
-}
-
 TEST_CASE("in a narrow strip of a domain that lies aslant a vertex goes as far as on the surface") {
   for (const double width : {1e-2, 1e-4, 1e-6}) CHECK(Strip(width).apart() < 1e-8 * width);
-}
-
-TEST_CASE("a triangle around a vertex faces away from all of them by 2e-8 of their areas, not at a right angle", "[thresholds]") {
-  // areas are 1, 1, and twice a half; along the sum of all those that are folded lie 1 + 2 cos(angle) of themselves
-  const auto faces_away = [](double share) { return Folded(std::acos(-0.5 * (1 + share * 3))).quality() < 0; };
-  CHECK_FALSE(faces_away(-1e-3));
-  CHECK_FALSE(faces_away(1.9e-8));
-  CHECK(faces_away(2.1e-8));
-  CHECK(faces_away(1e-3));
-}
-
-TEST_CASE("a vertex of a domain has a way to go where the surface is a millionth as wide as long", "[thresholds]") {
-  CHECK_FALSE(Star(0.97e-6).knows_way());
-  CHECK(Star(1.03e-6).knows_way());
 }
