@@ -216,7 +216,7 @@ def tests(platform: Platform, opensubdiv: Path, files: list[str]) -> Path:
     more: dict[str, str | Path] = {"TRIPATCH_TESTS": "ON", "TRIPATCH_TEST_FILES": ";".join(files), "Catch2_DIR": catch}
     folder = configure(platform, opensubdiv, PYTHONS[0], more)
     build(folder, "tripatch_tests")
-    return folder / "tripatch_tests"
+    return folder / ("tripatch_tests.exe" if platform.system == "Windows" else "tripatch_tests")
 
 
 if __name__ == "__main__":  # cross.py OPENSUBDIV PLATFORM FILE...: compiles files of tests/native, prints the program's path

@@ -15,11 +15,15 @@ windows_python() {
   "$ENVIRONMENTS/packaging/bin/python" scripts/packaging/windows_python.py "$WINDOWS" numpy==1.26.4 $TEST_PACKAGES
 }
 
-# windows ARGUMENT...: runs it. Without wine's debugger, which a program that crashes starts: with it comes a desktop that keeps standard
-# output open for ever.
-windows() {
-  WINEDLLOVERRIDES=winedbg.exe=d WINEPREFIX=$BUILD/wine WINEDEBUG=-all PYTHONDONTWRITEBYTECODE=1 PYTHONUTF8=${PYTHONUTF8:-0} wine "$WINDOWS/python.exe" "$@"
-}
+# windows_program PROGRAM ARGUMENT...: runs it. Without wine's debugger, which a program that crashes starts: with it comes a desktop that
+# keeps standard output open for ever.
+windows_program() { WINEDLLOVERRIDES=winedbg.exe=d WINEPREFIX=$BUILD/wine WINEDEBUG=-all wine "$@"; }
+
+# windows ARGUMENT...: runs that Python.
+windows() { PYTHONDONTWRITEBYTECODE=1 PYTHONUTF8=${PYTHONUTF8:-0} windows_program "$WINDOWS/python.exe" "$@"; }
+
+# windows_native ARGUMENT...: runs the C++ tests for it.
+windows_native() { windows_program "$BUILD/cross/windows-x64/build/tripatch_tests.exe" "$@"; }
 
 # arm64_python: Debian's Python 3.11 for arm64 in build/arm64, with the packages of the tests that have wheels for it.
 arm64_python() {

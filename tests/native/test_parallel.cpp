@@ -1,5 +1,7 @@
+#ifndef _WIN32
 #include <sys/wait.h>
 #include <unistd.h>
+#endif
 
 #include <algorithm>
 #include <atomic>
@@ -226,7 +228,7 @@ TEST_CASE("of several failures the first piece's is thrown on", "[parallel]") {
   }
 }
 
-#ifndef __SANITIZE_THREAD__  // which knows no threads after a fork
+#if !defined(_WIN32) && !defined(__SANITIZE_THREAD__)  // the one has no fork, the other knows no threads after it
 TEST_CASE("a process that is forked begins threads of its own, and ends without those of the one that it comes from",
           "[parallel]") {
   const Threads two(2);
