@@ -15,6 +15,7 @@
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/report/passages.h"
 #include "tripatch/spline/disc.h"
@@ -33,7 +34,7 @@ py::object joined_borders(ConnectedMesh& connected, std::optional<double> distan
   JoinedBorders joined;
   {
     py::gil_scoped_release release;
-    const double within = distance.value_or(same_place * size_of(connected.mesh()));
+    const double within = distance.value_or(tolerance::same * size_of(connected.mesh()));
     joined = join_borders(connected.mesh(), connected.loops(), within, distance.has_value());
   }
   if (joined.stands.empty()) return py::none();

@@ -10,6 +10,7 @@
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/constructions/side_vertex.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/mesh/edge_key.h"
 #include "tripatch/mesh/vertex_normals.h"
 #include "tripatch/messages.h"
@@ -19,9 +20,6 @@ namespace tripatch {
 namespace {
 
 using Triangle = std::array<Index, 3>;
-
-/// Of a triangle's area over its longest edge squared, below which it has none: rounding of its corners alone makes up to 1e-15.
-constexpr double min_area = 1e-12;
 
 std::vector<Triangle> checked_triangles(const Mesh& mesh) {
   std::vector<Triangle> triangles(mesh.faces.size());
@@ -38,7 +36,7 @@ std::vector<Triangle> checked_triangles(const Mesh& mesh) {
       if (!mesh.vertices.row(v).allFinite()) throw CodedRefusal(Code::position_not_finite, {v});
     const Vec3 a = mesh.vertices.row(face[0]), b = mesh.vertices.row(face[1]), c = mesh.vertices.row(face[2]);
     const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-    if (!((b - a).cross(c - a).norm() > min_area * longest * longest))
+    if (!((b - a).cross(c - a).norm() > tolerance::rounding * longest * longest))
       throw CodedRefusal(Code::face_without_area, {{"face", f}}, {face.begin(), face.end()});
   }
   return triangles;
@@ -232,7 +230,7 @@ void take_common_normals(const Lattice& lattice, const std::vector<Side>& sides,
     out.normals.row(v) = normal;
     double off = 0;
     for (const Vec3& n : at[v]) off = std::max(off, n.norm() > 0 ? degrees_between(n, normal) : 90);
-    if (off > same_plane) throw CodedRefusal(Code::curve_planes_differ, {{"angle", off}}, {v});
+    if (off > tolerance::same) throw CodedRefusal(Code::curve_planes_differ, {{"angle", off}}, {v});
   }
 }
 

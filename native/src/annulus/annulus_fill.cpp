@@ -7,6 +7,7 @@
 #include "tripatch/annulus/annulus_layout.h"
 #include "tripatch/annulus/closed_side.h"
 #include "tripatch/math/canonical_start.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/plane_patch.h"
@@ -42,7 +43,8 @@ ReadBoundary read_boundary(const Mesh& mesh, const Connectivity& around, const s
 
 /// Rings of faces as wide as the edges along them are long.
 int square_rings(const AnnulusPatch& made, double edge) {
-  const double by_length = std::round(made.rib_length / edge), by_turn = std::ceil(made.rib_turn / turn_of_ring - 1e-6);
+  const double by_length = std::round(made.rib_length / edge),
+               by_turn = std::ceil(made.rib_turn / turn_of_ring - tolerance::same);
   return static_cast<int>(std::clamp(std::max(by_length, by_turn), 1.0, static_cast<double>(max_rings_of_faces)));
 }
 

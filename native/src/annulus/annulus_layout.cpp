@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "tripatch/math/tolerances.h"
+
 namespace tripatch {
 namespace {
 
@@ -138,7 +140,7 @@ std::vector<double> mark(const Ring& ring, const std::vector<double>& places, bo
       const bool free = !merged[k] && !merged[before] && !merged[beyond] && (!pair || !merged[(k + n - 2) % n]);
       const double middle = pair ? ring.u[k] : ring.u[k] + 0.5 * std::abs(near_to(ring.u[beyond], ring.u[k]) - ring.u[k]);
       const double apart = std::abs(near_to(middle, u) - u);
-      if (free && apart < least - 1e-9) least = apart, best = k;
+      if (free && apart < least - tolerance::solved) least = apart, best = k;
     }
     if (best == n) {
       left.push_back(u);
@@ -174,7 +176,7 @@ std::size_t straightest(const std::vector<double>& reached, const Ring& smaller)
       const double u = smaller.u[(k + turn) % n], apart = near_to(u, reached[k]) - reached[k];
       sum += apart * apart;
     }
-    if (sum < least - 1e-12) least = sum, best = turn;
+    if (sum < least - tolerance::rounding) least = sum, best = turn;
   }
   return best;
 }

@@ -8,15 +8,15 @@
 #include "tripatch/annulus/match.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 #include "tripatch/polygon/round.h"
 
 namespace tripatch {
 namespace {
 
-constexpr int rib_numbers = 18;          ///< six vectors
-constexpr double rib_tolerance = 1e-11;  ///< of their largest: seams are within a millionth of a degree then
-constexpr int annulus_samples = 200;     ///< places at which seams and ribs are measured: a choice
+constexpr int rib_numbers = 18;       ///< six vectors
+constexpr int annulus_samples = 200;  ///< places at which seams and ribs are measured: a choice
 /// Chords at 120 degrees to both ends, beyond which ribs would grow without bound.
 constexpr double min_chord_cosine = -0.5;
 /// Sines of angles between chords and ends that count as none, where their ratio is taken.
@@ -24,9 +24,7 @@ constexpr double no_bend = 0.1;
 
 /// Half the quintic whose middle lies on the circular arc between its ends: |P'| at the ends over the chord, by the cosine of the angle
 /// between end and chord. 1 on straight ribs.
-double length_over_chord(double cosine) {
-  return 1 / ((1 + cosine) * (5.0 / 16 + std::sqrt(25.0 / 256 - cosine / (8 * (1 + cosine)))));
-}
+double length_over_chord(double cosine) { return 16 / ((1 + cosine) * (5 + std::sqrt(25 - 32 * cosine / (1 + cosine)))); }
 
 struct RibMaker {
   const Side &first, &second;
@@ -113,7 +111,7 @@ void AnnulusSurface::evaluate_order(const double* b, Index n, double* out) const
   std::array<double, rib_numbers*(max_order + 1)> taylor{};
   for (Index row = 0; row < n; ++row) {
     const Vec2 at(b[3 * row], b[3 * row + 1]);
-    const double squared = std::max(at.squaredNorm(), 1e-12);
+    const double squared = std::max(at.squaredNorm(), tolerance::rounding);
     // log(z / z0) = w - w^2 / 2 + ... of w = (z - z0) / z0: its imaginary part is the angle
     const Jet<N> re = Jet<N>::linear(0, at[0] / squared, at[1] / squared),
                  im = Jet<N>::linear(0, -at[1] / squared, at[0] / squared);
@@ -129,8 +127,8 @@ void AnnulusSurface::evaluate_order(const double* b, Index n, double* out) const
     const Jet<N> v = (1.0 - sqrt(x * x + y * y + (squared - at.squaredNorm()))) * (1 / (1 - inner_)), w = 1.0 - v;
     ribs_.taylor(u.value(), N, taylor.data());
     const Jet<N> v2 = v * v, v3 = v2 * v, w2 = w * w, w3 = w2 * w;
-    const std::array<Jet<N>, 6> basis = {w3 * (1.0 + 3.0 * v + 6.0 * v2), w3 * v * (1.0 + 3.0 * v),    0.5 * (w3 * v2),
-                                         v3 * (1.0 + 3.0 * w + 6.0 * w2), -(v3 * w * (1.0 + 3.0 * w)), 0.5 * (v3 * w2)};
+    const std::array<Jet<N>, 6> basis = {w3 * (1.0 + 3.0 * v + 6 * v2), w3 * v * (1.0 + 3.0 * v),    0.5 * (w3 * v2),
+                                         v3 * (1.0 + 3.0 * w + 6 * w2), -(v3 * w * (1.0 + 3.0 * w)), 0.5 * (v3 * w2)};
     JetPoint<N> p(Vec3::Zero());
     for (int k = 0; k < 6; ++k)
       for (int i = 0; i < 3; ++i) p.x[i] += basis[k] * compose<N>(taylor.data() + 3 * k + i, rib_numbers, u);
@@ -174,7 +172,7 @@ AnnulusPatch annulus_patch(const Side& first, const Side& second, const AnnulusO
   const auto ribs = [&](std::span<const double> u, std::span<double> out) {
     for (std::size_t k = 0; k < u.size(); ++k) maker.at(u[k], &out[rib_numbers * k]);
   };
-  made.patch = std::make_shared<AnnulusSurface>(PiecewisePolynomial::fit(ribs, rib_numbers, rib_tolerance), inner_radius(maker));
+  made.patch = std::make_shared<AnnulusSurface>(PiecewisePolynomial::fit(ribs, rib_numbers, tolerance::fit), inner_radius(maker));
   for (int i = 0; i < 2; ++i) made.continuity[i] = kept_by(options.continuity[i]);
   measure_patch(maker, made);
   return made;

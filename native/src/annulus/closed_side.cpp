@@ -11,6 +11,7 @@
 #include "tripatch/estimate/vertex_fit.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/report/folded_triangles.h"
@@ -113,8 +114,6 @@ constexpr double lean_counts = 0.37;
 /// Where a plane is off a few waves around the boundary by so many times the median, one of the fits that it comes from has failed: on bent
 /// pipes of 24 edges single planes are off by 2.5 degrees, the others by 0.1.
 constexpr double planes_off = 6;
-/// A median that is rounding tells nothing.
-constexpr double planes_exact = 1e-6;
 /// So few waves that two planes next to each other that are off do not bend them; and rounds after which nothing changes by a tenth: choices.
 constexpr Index vertices_a_plane_wave = 6;
 constexpr int robust_rounds = 10;
@@ -140,7 +139,7 @@ void mend_planes(ClosedSide& closed) {
     std::vector<double> sorted(off.data(), off.data() + n);
     std::ranges::nth_element(sorted, sorted.begin() + n / 2);
     median = sorted[static_cast<std::size_t>(n / 2)];
-    if (!(median > planes_exact)) return;
+    if (!(median > tolerance::same)) return;
     weight = off.cwiseMax(0.1 * median).cwiseSqrt().cwiseInverse();
   }
   if (!(off.maxCoeff() > planes_off * median)) return;

@@ -4,19 +4,15 @@
 #include <cmath>
 #include <vector>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
 
 constexpr int match_samples = 96;  ///< ribs that are compared: a choice
-/// What leaning of the ribs is weighed against: how unevenly the two parameters run, and how long ribs are where nothing leans. Small enough
-/// that offset circles keep ribs at right angles to both within a degree.
-constexpr double uneven_counts = 1e-3, length_counts = 1e-3;
-constexpr double match_step = 1e-4;  ///< of a turn, for differences
 /// The second parameter runs at least so fast against the first.
 constexpr double min_speed = 0.05;
-constexpr int max_match_steps = 20;
 
 struct RibEnd {
   Vec3 point, way;
@@ -56,7 +52,7 @@ public:
     const RibEnd& from = first_[static_cast<std::size_t>(k)];
     const Vec3 chord = second_.c(t) - from.point, ways = from.way + out_of_second_(t), e = chord.stableNormalized();
     Eigen::Vector4d out;
-    out << ways - ways.dot(e) * e, std::sqrt(length_counts) * chord.norm() / scale_;
+    out << ways - ways.dot(e) * e, std::sqrt(tolerance::slight) * chord.norm() / scale_;
     return out;
   }
 
@@ -65,7 +61,7 @@ public:
     for (int k = 0; k < match_samples; ++k) {
       const double uneven = (shift[(k + 1) % match_samples] - shift[k]) * match_samples;
       if (uneven > 1 - min_speed) return INFINITY;
-      sum += lean(k, shift[k]).squaredNorm() + uneven_counts * uneven * uneven;
+      sum += lean(k, shift[k]).squaredNorm() + tolerance::slight * uneven * uneven;
     }
     return sum;
   }
@@ -75,11 +71,12 @@ public:
     Eigen::VectorXd down = Eigen::VectorXd::Zero(match_samples);
     for (int k = 0; k < match_samples; ++k) {
       const Eigen::Vector4d here = lean(k, shift[k]),
-                            slope = (lean(k, shift[k] + match_step) - lean(k, shift[k] - match_step)) / (2 * match_step);
+                            slope = (lean(k, shift[k] + tolerance::close) - lean(k, shift[k] - tolerance::close)) /
+                                    (2 * tolerance::close);
       normal(k, k) += slope.squaredNorm() * (1 + damping);
       down[k] -= slope.dot(here);
       const int next = (k + 1) % match_samples;
-      const double weight = uneven_counts * match_samples * match_samples, apart = shift[next] - shift[k];
+      const double weight = tolerance::slight * match_samples * match_samples, apart = shift[next] - shift[k];
       normal(k, k) += weight;
       normal(next, next) += weight;
       normal(k, next) -= weight;
@@ -87,7 +84,7 @@ public:
       down[k] += weight * apart;
       down[next] -= weight * apart;
     }
-    normal.diagonal().array() += 1e-9 * normal.trace() / match_samples;
+    normal.diagonal().array() += tolerance::solved * normal.trace() / match_samples;
     return normal.ldlt().solve(down);
   }
 
@@ -125,15 +122,15 @@ PiecewisePolynomial match_boundaries(const Side& first, const Side& second, cons
   if (matching.shortest(false).second < squares / 2) throw CodedRefusal(Code::boundaries_face_opposite_ways);
   matching.scale_by(squares);
   Eigen::VectorXd shift = Eigen::VectorXd::Constant(match_samples, static_cast<double>(begin) / match_samples);
-  double value = matching.value(shift), damping = 1e-3;
-  for (int k = 0; k < max_match_steps; ++k) {
+  double value = matching.value(shift), damping = tolerance::slight;
+  for (int k = 0; k < tolerance::newton_steps; ++k) {
     const Eigen::VectorXd change = matching.step(shift, damping);
     const double next = change.allFinite() ? matching.value(shift + change) : INFINITY;
     if (next < value) {
-      const bool done = value - next < 1e-12 * value;
+      const bool done = value - next < tolerance::rounding * value;
       shift += change;
       value = next;
-      damping = std::max(damping / 10, 1e-9);
+      damping = std::max(damping / 10, tolerance::solved);
       if (done) break;
     } else {
       damping *= 10;

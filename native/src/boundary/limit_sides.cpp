@@ -7,14 +7,11 @@
 #include "tripatch/boundary/surroundings.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
 
-constexpr double sides_tolerance = 1e-13;  ///< of a side's polynomials, of their largest value: a thousand times the rounding
-constexpr double parallel = 1e-6;          ///< sine of the angle between derivatives that span no plane, see spans_plane
-constexpr double flat = 1e-6;              ///< of a side's length: a derivative at its end that is none
-constexpr double beside_break = 1e-9;      ///< of the parameter: where the directions before and behind a break are read
 constexpr double kink = 0.1;  ///< degrees between two pieces of the rim's curve: it has a kink, of which a warning tells
 
 struct FaceEdge {
@@ -72,12 +69,12 @@ void refined_sides(const Mesh& cage, const Connectivity& whole, const Hole& hole
 void check_ends(const Side& side, const std::vector<Index>& along) {
   const double length = (side.c(0.5) - side.c(0)).norm() + (side.c(1) - side.c(0.5)).norm();
   for (const auto& [t, v] : {std::pair(0.0, along.front()), std::pair(1.0, along.back())})
-    if (side.c.derivative_at(t).norm() < flat * length) throw CodedRefusal(Code::corner_lacks_planes, {v});
+    if (side.c.derivative_at(t).norm() < tolerance::same * length) throw CodedRefusal(Code::corner_lacks_planes, {v});
 }
 
 }  // namespace
 
-bool spans_plane(const LimitJet& jet) { return jet.pu.cross(jet.pv).norm() > parallel * jet.pu.norm() * jet.pv.norm(); }
+bool spans_plane(const LimitJet& jet) { return jet.pu.cross(jet.pv).norm() > tolerance::same * jet.pu.norm() * jet.pv.norm(); }
 
 Side side_on(const LimitSurface& surface, const Connectivity& around, const std::vector<Index>& rim, double tolerance) {
   const int edges = static_cast<int>(rim.size()) - 1;
@@ -133,7 +130,7 @@ LimitSides limit_sides(const Mesh& cage, const Connectivity& whole, const Connec
     refined_sides(cage, whole, hole, settings, result);
     return result;
   }
-  result.sides = sides_on(LimitSurface(cage, whole, settings, hole.rim), around, hole, sides_tolerance);
+  result.sides = sides_on(LimitSurface(cage, whole, settings, hole.rim), around, hole, tolerance::fit);
   const int steps = 1 << settings.level;
   for (int i = 0; i < 3; ++i) {
     const std::vector<Index> rim = hole.side(i);
@@ -145,7 +142,7 @@ LimitSides limit_sides(const Mesh& cage, const Connectivity& whole, const Connec
     for (int e = 1; e < edges; ++e) {
       const double t = static_cast<double>(e) / edges;
       // exactly at the break the piece behind it counts
-      if (degrees_between(c.derivative_at(t - beside_break), c.derivative_at(t + beside_break)) > kink)
+      if (degrees_between(c.derivative_at(t - tolerance::solved), c.derivative_at(t + tolerance::solved)) > kink)
         result.warnings.push_back({Code::limit_rim_kink, {{"side", i}}, {rim[e]}});
     }
   }

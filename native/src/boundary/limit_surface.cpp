@@ -344,8 +344,8 @@ struct LimitSurface::Impl {
       parameterization.GetEdgeCoord(edge, t[k], uv.data());
       // the direction of the edge in the (sub)face that the point lies in
       const double low = t[k] < 0.5 ? 0.0 : 0.5;
-      parameterization.GetEdgeCoord(edge, low + 0.125, from.data());
-      parameterization.GetEdgeCoord(edge, low + 0.375, to.data());
+      parameterization.GetEdgeCoord(edge, low + 1.0 / 8, from.data());
+      parameterization.GetEdgeCoord(edge, low + 3.0 / 8, to.data());
       const Eigen::Vector2d e = 4 * (to - from), f(-e[1], e[0]);
       LimitJet j;
       surface->Evaluate(uv.data(), patch.data(), 3, j.p.data(), j.pu.data(), j.pv.data(), j.puu.data(), j.puv.data(),

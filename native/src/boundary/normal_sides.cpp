@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -21,8 +22,6 @@ PiecewisePolynomial field(const Series<Degree>& a) {
   return {{0.0, 1.0}, Degree, 3, std::move(coefficients)};
 }
 
-/// Radians: below, theta / sin(theta) is 1 + theta^2 / 6 to the last bit, for what is left out is 7 theta^4 / 360.
-constexpr double small_angle = 1e-4;
 /// In the middle of an edge the derivative across is at most so many times what the mean of the end normals makes it: reached where these
 /// are 120 degrees apart. A choice, for between opposite normals there is no bound.
 constexpr double max_bulge = 4;
@@ -30,7 +29,7 @@ constexpr double max_bulge = 4;
 /// theta / sin(theta) for the angle between a chord and a tangent: the arc of a circle over its chord.
 double arc_over_chord(double sine) {
   const double theta = std::asin(std::min(std::abs(sine), 1.0));
-  return theta < small_angle ? 1 + theta * theta / 6 : theta / std::sin(theta);
+  return theta < tolerance::close ? 1 + theta * theta / 6 : theta / std::sin(theta);
 }
 
 template <int Degree>
@@ -52,10 +51,6 @@ Side make_side(const Series<Degree>& c, const Vec3& mean, const Vec3& difference
 }
 
 bool before(const Vec3& a, const Vec3& b) { return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end()); }
-
-/// Of the edge's length: what is left of it in a vertex's plane, and of the derivative across. Below, directions have fewer than the
-/// ten digits that the seams of smoothed triangles are tested to.
-constexpr double along_normal = 1e-6;
 
 Vec3 unit_normal(const Vec3& n, Index vertex) {
   if (!n.allFinite()) throw CodedRefusal(Code::normal_not_finite, {vertex});
@@ -83,8 +78,8 @@ Side side_from_normals(const Vec3& p, const Vec3& normal_p, const Vec3& q, const
   const double length = d.norm();
   if (!(length > 0)) throw CodedRefusal(Code::edge_without_length, {0, 1});
   const Vec3 to_p = d - np.dot(d) * np, to_q = d - nq.dot(d) * nq;  // the chord in the vertices' planes
-  if (!(to_p.norm() > along_normal * length)) throw CodedRefusal(Code::normal_along_edge, {0});
-  if (!(to_q.norm() > along_normal * length)) throw CodedRefusal(Code::normal_along_edge, {1});
+  if (!(to_p.norm() > tolerance::same * length)) throw CodedRefusal(Code::normal_along_edge, {0});
+  if (!(to_q.norm() > tolerance::same * length)) throw CodedRefusal(Code::normal_along_edge, {1});
   const Vec3 mean = 0.5 * (np + nq), difference = nq - np;
 
   Side side;
@@ -101,11 +96,11 @@ Side side_from_normals(const Vec3& p, const Vec3& normal_p, const Vec3& q, const
   } else {
     const double arc = 0.5 * length * (arc_over_chord(np.dot(d) / length) + arc_over_chord(nq.dot(d) / length));
     const Vec3 tp = arc * to_p.normalized(), tq = arc * to_q.normalized();
-    side = make_side<3>({0.5 * (p + q) + 0.125 * (tp - tq), 1.5 * d - 0.25 * (tp + tq), 0.5 * (tq - tp), tp + tq - 2 * d}, mean,
+    side = make_side<3>({0.5 * (p + q) + (tp - tq) / 8, 1.5 * d - 0.25 * (tp + tq), 0.5 * (tq - tp), tp + tq - 2 * d}, mean,
                         difference);
   }
   for (int k = 0; k <= 8; ++k)  // a normal field everywhere: neither opposite normals nor a curve that stands still
-    if (!(side.r(k / 8.0).norm() > along_normal * length)) throw CodedRefusal(Code::normals_disagree, {0, 1});
+    if (!(side.r(k / 8.0).norm() > tolerance::same * length)) throw CodedRefusal(Code::normals_disagree, {0, 1});
   return side;
 }
 

@@ -6,13 +6,12 @@
 #include <utility>
 
 #include "tripatch/math/jet.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
 
 using Homogeneous = Eigen::RowVector4d;
-
-constexpr double fit_tolerance = 1e-13;  ///< of pieces that are fitted, of their largest value: a thousand times the rounding
 
 int degree_of(const std::vector<double>& knots, Index count, const char* axis) {
   const std::string name = std::string("knots_") + axis;
@@ -209,7 +208,7 @@ struct NurbsSurface::Edge {
               for (int x = 0; x < 3; ++x) out[3 * m + x] = factor[k] * across_series[k][x];
             }
           },
-          3, fit_tolerance, degree);
+          3, tolerance::fit, degree);
       for (Index piece = 0; piece < part.pieces(); ++piece) {
         const double a = part.breaks()[piece], b = part.breaks()[piece + 1];
         breaks.push_back(p + 2 == knots.size() && piece + 1 == part.pieces() ? 1.0 : (knots[p] + b * h - from()) / length());

@@ -19,7 +19,7 @@ PiecewisePolynomial continued_to_start(const PiecewisePolynomial& f) {
   if (f.empty()) return f;
   const double h = beside_pole;
   const Vec3 first = f(h), second = f(2 * h), third = f(3 * h), start = 3 * first - 3 * second + third,
-             middle = 1.875 * first - 1.25 * second + 0.375 * third;
+             middle = (15 * first - 10 * second + 3 * third) / 8;
   std::array<double, 9> net;
   Vec3::Map(net.data()) = start;
   Vec3::Map(net.data() + 3) = 2 * middle - 0.5 * (start + first);

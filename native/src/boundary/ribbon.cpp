@@ -7,6 +7,7 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/smoothstep.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/messages.h"
 
@@ -35,17 +36,6 @@ double triangle_floor_share(double turn_deg, double opening) {
 /// max(a, b) with a corner rounded over a width of b / 2; a itself where b is 0.
 double smooth_max(double a, double b) { return 0.5 * (a + b + std::sqrt((a - b) * (a - b) + 0.25 * b * b)); }
 
-/// Of the patch's height: a tangent that is shorter at a corner has no direction but rounding's; that of sides as long as the hole.
-constexpr double no_tangent = 1e-12;
-/// Of the same: a derivative across that is shorter is none, but for the rounding of sides fitted to 1e-13 of what they are elsewhere.
-constexpr double no_slope = 1e-10;
-/// Of what an equilateral patch has: alpha is never zero or backwards, so that G1 keeps its sign. A choice, far below what sides that
-/// meet at any angle above a tenth of a degree ask for.
-constexpr double min_alpha = 1e-3;
-/// Sine of the angle between the derivatives along and across a side: below it they are one line to within the rounding of sides
-/// fitted to 1e-13, squared and more.
-constexpr double one_line = 1e-9;
-
 /// Sides that meet to the last bits: a gap, however small, would be divided by the distance from the corner in the derivatives.
 Sides closed(Sides sides) {
   std::array<Vec3, 3> corner;
@@ -62,7 +52,7 @@ Sides closed(Sides sides) {
 bool no_planes(const Side& side) {
   for (int k = 0; k <= 8; ++k) {
     const Vec3 r = side.r(k / 8.0), dc = side.c.derivative_at(k / 8.0);
-    if (r.cross(dc).norm() > one_line * r.norm() * dc.norm()) return false;
+    if (r.cross(dc).norm() > tolerance::solved * r.norm() * dc.norm()) return false;
   }
   return true;
 }
@@ -92,16 +82,16 @@ double floor_share(double turn_deg) { return fading(turn_deg, smooth_turn, corne
 
 CornerSlope corner_slope(const Vec3& r, const Vec3& dc, const Vec3& tau, double height, double share) {
   const double rn = r.norm();
-  if (!(rn > no_slope * height)) return {0, 0, Vec3::Zero()};
+  if (!(rn > tolerance::rounding * height)) return {0, 0, Vec3::Zero()};
   Eigen::Vector2d x;
-  if (dc.norm() > no_tangent * height) {
+  if (dc.norm() > tolerance::rounding * height) {
     x = in_frame(r, dc, tau);
   } else {
     x << tau.dot(r) / (rn * rn), 0;
   }
   const double whole = height / rn;  // what an equilateral patch of this size has
   const double kept = share > 0 ? smooth_max(x[0], share * whole) : x[0];
-  const double alpha = std::max(kept, min_alpha * whole);
+  const double alpha = std::max(kept, tolerance::slight * whole);
   return {alpha, x[1], (alpha - x[0]) * r};
 }
 

@@ -6,6 +6,7 @@
 
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/smoothstep.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
@@ -75,7 +76,7 @@ PiecewisePolynomial quintic_spline(const std::vector<double>& t, const std::vect
 /// Rodrigues' formula.
 Vec3 carried(const Vec3& v, const Vec3& from, const Vec3& to) {
   const Vec3 axis = from.cross(to);
-  return v + axis.cross(v) + axis.cross(axis.cross(v)) / std::max(1 + from.dot(to), 1e-12);
+  return v + axis.cross(v) + axis.cross(axis.cross(v)) / std::max(1 + from.dot(to), tolerance::rounding);
 }
 
 /// The cross derivative to be read at each vertex of a side with normals n and derivatives dc. It has unit length across the

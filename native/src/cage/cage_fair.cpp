@@ -9,24 +9,18 @@
 #include "tripatch/fairing/curvature_variation.h"
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
 
-// Numbers around these were tried on six cages: between bevels of two, three and five segments, and of one to three rings at a ball's corners.
-// Reported is by how much of the diameter a vertex of one of them moves at most.
-constexpr double nothing = 1e-9;  ///< energies (no units) below which there is no more to gain; 1e-9 with 1e-7
 /// Squared weight, over the hole's size squared, that keeps what shall not move where it is; that of the energies is about 1 (0 with
 /// 1e8).
 constexpr double pinned = 1e10;
-/// Levenberg and Marquardt's damping, relative to the diagonal (over a vertex, its mean): at first, and what a step changes it by;
-/// 8e-8 with 1e-8 and 7e-6 with 1e-4, 3e-8 by five.
-constexpr double first_damping = 1e-6, damping_factor = 10;
-constexpr int attempts = 6;  ///< at a step, each more damped: the last a hundred thousand times; 0 with three
+constexpr double damping_factor = 10;  ///< by which a step changes Levenberg and Marquardt's damping
+constexpr int attempts = 6;            ///< at a step, each more damped: the last a hundred thousand times; 0 with three
 /// Rounds in which the weights of the logarithms, one over their values where the step leads, settle; 6e-4 with two, 4e-4 with six.
 constexpr int weight_rounds = 3;
-/// Of an energy's value, that its model may promise: it is quadratic, the energy is not; 0 with 1e-4, 1e-2.
-constexpr double min_share = 1e-3;
 
 double power_derivative(double t, int power, int order) {
   double r = 1;
@@ -165,7 +159,8 @@ Points fair_cage(CageSystem& system, const Points& start, std::vector<FairHole>&
       value.variation.push_back(variation(system, holes[h], free, x, nullptr));
       value.third.push_back(third[h](x));
       if (holes[h].inside.empty()) continue;
-      value.merit += std::log(value.variation[h] + nothing) + options.parameters * std::log(value.third[h] + nothing);
+      value.merit +=
+          std::log(value.variation[h] + tolerance::solved) + options.parameters * std::log(value.third[h] + tolerance::solved);
     }
     value.merit += held(x);
     if (!std::isfinite(value.merit)) value.merit = std::numeric_limits<double>::infinity();
@@ -175,7 +170,7 @@ Points fair_cage(CageSystem& system, const Points& start, std::vector<FairHole>&
   for (std::size_t h = 0; h < count; ++h) holes[h].before = holes[h].after = value.variation[h];
   if (!std::isfinite(value.merit)) return at(y);
 
-  double damping = first_damping;
+  double damping = tolerance::same;
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     check_interruption();
     std::vector<CageSystem::Term> model(count, system.zero());
@@ -189,8 +184,8 @@ Points fair_cage(CageSystem& system, const Points& start, std::vector<FairHole>&
         system.add(sum, 1, pins);
         for (std::size_t h = 0; h < count; ++h) {
           if (holes[h].inside.empty()) continue;
-          system.add(sum, 1 / (std::max(model[h](next), min_share * value.variation[h]) + nothing), model[h]);
-          system.add(sum, options.parameters / (std::max(third[h](next), 0.0) + nothing), third[h]);
+          system.add(sum, 1 / (std::max(model[h](next), tolerance::slight * value.variation[h]) + tolerance::solved), model[h]);
+          system.add(sum, options.parameters / (std::max(third[h](next), 0.0) + tolerance::solved), third[h]);
         }
         next = y + system.step(sum, y, damping);
       }

@@ -7,13 +7,10 @@
 #include "tripatch/cage/cage_fair.h"
 #include "tripatch/cage/cage_terms.h"
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
-
-/// Of the sides' polynomials, relative: far below what a cage of a few quads can follow. With 1e-5 vertices of six cages
-/// (cage_fair.cpp) move by up to 6e-3 of the diameter.
-constexpr double sides_tolerance = 1e-7;
 
 /// A few new vertices cannot hold the surroundings where these slide along long faces: then they leave their place for a spike, and what
 /// was to be made fair is bent more than before. There the surroundings may move so many times as far, so many times at most. Of 23 cages
@@ -49,7 +46,7 @@ std::vector<Index> with_inside(std::vector<Index> around, const ClosedCage& clos
 CageSides limit_sides_of(const LimitSurface& surface, const Mesh& cage, const SidedRim& rim, const std::vector<Index>& missing) {
   const Connectivity around = Connectivity::around(cage, rim.rim, 0, missing);
   CageSides sides;
-  for (int i = 0; i < rim.sides(); ++i) sides.push_back(side_on(surface, around, rim.side(i), sides_tolerance));
+  for (int i = 0; i < rim.sides(); ++i) sides.push_back(side_on(surface, around, rim.side(i), tolerance::same));
   return sides;
 }
 

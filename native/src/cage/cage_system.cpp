@@ -3,14 +3,10 @@
 #include <algorithm>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
-namespace {
-
-/// Of the diagonal's mean, added to it: a vertex that nothing holds leaves the matrix regular, at some hundred roundings.
-constexpr double min_pivot = 1e-14;
-
-}  // namespace
+namespace {}  // namespace
 
 Points Sums::at(const Points& free) const { return rest + weights * Points(free(slots, Eigen::all)); }
 
@@ -117,7 +113,7 @@ void CageSystem::add(Term& term, const std::vector<int>& slots, const Weights& j
 Eigen::VectorXd CageSystem::step(const Term& term, const Eigen::VectorXd& y, double damping) {
   check_interruption();
   Eigen::SparseMatrix<double> h = term.h;
-  const double least = min_pivot * h.diagonal().sum() / static_cast<double>(h.cols());
+  const double least = tolerance::fit * h.diagonal().sum() / static_cast<double>(h.cols());
   for (Index v = 0; v < h.cols(); v += 3) {  // alike along all axes: how the mesh is turned changes nothing
     const double mean = (h.coeff(v, v) + h.coeff(v + 1, v + 1) + h.coeff(v + 2, v + 2)) / 3;
     for (Index k = v; k < v + 3; ++k) h.coeffRef(k, k) += damping * mean + least;

@@ -14,6 +14,7 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/output/shaped.h"
@@ -36,8 +37,6 @@ void refuse_if_harmful(const SidedRim& hole, bool crosses_itself, bool folds) {
   throw Harmful(crosses_itself ? Code::cage_crosses : Code::cage_folds, {{"count", hole.sides()}}, corners);
 }
 
-/// How much less two choices of corners may turn for the one that begins first to be taken: far more than rounding, radians.
-constexpr double as_much_turn = 1e-6;
 /// That of a vertex that is not to be a corner: less than of any four others.
 constexpr double no_turn = -4 * std::numbers::pi;
 
@@ -58,7 +57,7 @@ std::vector<Index> four_of(const FillContext& context, std::vector<Index> loop) 
   for (std::size_t k = 0; k < n; ++k) {
     double sum = 0;
     for (std::size_t step : steps) sum += turn[(k + step) % n];
-    if (sum > most + as_much_turn) most = sum, best = k;
+    if (sum > most + tolerance::same) most = sum, best = k;
   }
   std::vector<Index> corners;
   for (std::size_t step : steps)

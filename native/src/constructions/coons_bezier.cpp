@@ -10,16 +10,15 @@
 #include <utility>
 
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
 
 using Exponents = std::array<int, 3>;
 
-constexpr double precision = 1e-10;  // of the size: a residual below it is rounding
 /// Degree up to which the extremals' gradient is zero to 1e-13 of the net; the condition of their systems grows to 3e11 at degree 20.
 constexpr int well_conditioned_degree = 12;
-constexpr double curves_meet = 1e-9;  // of the size: the largest gap between two curves at a corner
 
 /// All (i, j, k) of a degree in the order of a net.
 std::vector<Exponents> exponents(int degree) {
@@ -135,13 +134,13 @@ BezierTriangle solve_mask(const BoundaryCurves& boundary, CoonsKind kind, double
   for (Index k = 0; k < inside.cols(); ++k) inside.col(k) = equations.col(points.inside[k]);
   // Unknown: the distance from the Coons net of the polygons. Where the system is singular the decomposition gives the shortest.
   const Points right = -Points(equations * net);
-  const auto [correction, rank_found] = minimum_norm_least_squares(inside, right, singular_pivot);
+  const auto [correction, rank_found] = minimum_norm_least_squares(inside, right, tolerance::rounding);
   if (rank_found < inside.cols()) {
     std::vector<Parameter> parameters = {{"degree", n}, {"rank", rank_found}, {"unknowns", inside.cols()}};
     if (kind != CoonsKind::mask) parameters.push_back({"alpha", alpha});
     const double left = (Points(inside * correction) - right).cwiseAbs().maxCoeff();
     const double size = (net.rowwise() - net.row(0)).cwiseAbs().maxCoeff();
-    if (left > precision * size) throw CodedRefusal(Code::coons_without_solution, std::move(parameters));
+    if (left > tolerance::solved * size) throw CodedRefusal(Code::coons_without_solution, std::move(parameters));
     if (warnings) warnings->push_back({Code::coons_singular, std::move(parameters)});
   }
   for (Index k = 0; k < correction.rows(); ++k) net.row(points.inside[k]) += correction.row(k);
@@ -182,7 +181,7 @@ Points bezier_side(const Ribbon& ribbon, int i, double size) {
   if (breaks.size() <= 4)  // enough samples for any degree
     for (int k = 0; k < 2 * max_side_degree; ++k)
       t.push_back(0.5 - 0.5 * std::cos(std::numbers::pi * (k + 0.5) / (2 * max_side_degree)));
-  const double rounding = 1e-13 * size + 1e-15 * ribbon.c(0.5).norm();
+  const double rounding = tolerance::fit * size + std::numeric_limits<double>::epsilon() * ribbon.c(0.5).norm();
   for (int degree = 1; degree <= max_side_degree; ++degree)
     if (fit_curve(ribbon.c, t, degree, curve) <= rounding) return curve;
   const int degree = static_cast<int>(ribbon.rim.size()) - 1;
@@ -190,7 +189,7 @@ Points bezier_side(const Ribbon& ribbon, int i, double size) {
   if (degree > max_side_degree)
     throw CodedRefusal(Code::side_has_many_vertices,
                        {{"side", i}, {"vertices", degree + 1}, {"degree", max_side_degree}, {"most", max_side_degree + 1}});
-  if (!(fit_curve(ribbon.c, ribbon.rim, degree, curve) <= precision * size))
+  if (!(fit_curve(ribbon.c, ribbon.rim, degree, curve) <= tolerance::solved * size))
     throw CodedRefusal(Code::no_bezier_curve_through_rim, {{"side", i}, {"degree", degree}});
   return curve;
 }
@@ -215,7 +214,7 @@ void check(const BoundaryCurves& boundary) {
     throw CodedArgument(Code::out_of_range, {{"name", "degree"}, {"from", 0}, {"to", max_boundary_degree}, {"value", n}});
   for (int i = 0; i < 3; ++i) {
     const double gap = (boundary[i].row(n) - boundary[(i + 1) % 3].row(0)).norm();
-    if (!(gap <= curves_meet * size))
+    if (!(gap <= tolerance::solved * size))
       throw CodedArgument(Code::surfaces_apart, {{"first", "boundary[" + std::to_string(i) + "]"},
                                                  {"second", "boundary[" + std::to_string((i + 1) % 3) + "]"},
                                                  {"corner", (i + 2) % 3},

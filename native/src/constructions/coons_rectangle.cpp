@@ -5,6 +5,7 @@
 
 #include "tripatch/constructions/coons_bezier.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -55,7 +56,7 @@ BezierRectangle permanence_rectangle(const BezierRectangle& boundary, double alp
             right.row(unknown(i, j)) += weight * boundary.net().row(boundary.row(a, b));
           }
         }
-  const auto [inside, rank] = minimum_norm_least_squares(system, right, singular_pivot);
+  const auto [inside, rank] = minimum_norm_least_squares(system, right, tolerance::rounding);
   if (rank < unknowns) throw CodedRefusal(Code::permanence_singular, {{"m", m}, {"n", n}, {"alpha", alpha}});
   Points net = boundary.net();
   for (int i = 1; i < m; ++i)

@@ -34,7 +34,7 @@ public:
     JetPoint<N> p;
     for (int i = 0; i < 3; ++i) {
       const Jet<N>&x = b[(i + 1) % 3], &y = b[(i + 2) % 3];
-      p += (square(b[i]) * (3.0 - 2.0 * b[i] + 6.0 * (x * y))) * corners_[i].at(x, y);
+      p += (square(b[i]) * (3.0 - 2.0 * b[i] + 6 * (x * y))) * corners_[i].at(x, y);
     }
     return p;
   }

@@ -6,16 +6,15 @@
 #include <utility>
 
 #include "tripatch/math/decompositions.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
 
-constexpr double shape_bound = 1e-3;  // lambda is sought between this and 1 less this
-
 /// What is sought is x = log(lambda / (1 - lambda)), so that lambda stays between 0 and 1.
 using Vector3 = Eigen::Vector3d;
 double to_lambda(double x) { return 1 / (1 + std::exp(-x)); }
-const double bound = std::log((1 - shape_bound) / shape_bound);
+const double bound = std::log((1 - tolerance::slight) / tolerance::slight);
 
 constexpr int scan_nodes = 9;  // in each direction, the middle one lambda = 1/2
 double scan_node(int k) { return 0.9 * bound * (2.0 * k / (scan_nodes - 1) - 1); }
@@ -31,7 +30,7 @@ public:
   }
 
   /// Below this the energy differs by rounding only.
-  double tiny() const { return 1e-12 * gram_.diagonal().maxCoeff(); }
+  double tiny() const { return tolerance::rounding * gram_.diagonal().maxCoeff(); }
 
   /// The four lowest of the local minima; the middle alone where the energy is flat (the three surfaces agree): nothing to choose.
   std::vector<Vector3> starts() const {
@@ -84,9 +83,7 @@ SzilvasiNagy::Step step_of(const Vector3& x, double energy) {
 
 /// Newton's direction at x, where the stacked terms are f; zero where x is a minimum. Where the energy pushes against a bound, x is held.
 Vector3 newton_direction(const ShapeEnergy& energy, const Vector3& x, const Eigen::VectorXd& f) {
-  constexpr double flat = 1e-10;          // a gradient so small, relative to the energy, is zero
-  constexpr double min_curvature = 1e-8;  // of the largest
-  constexpr double longest = 2;           // in x, where the model is still near
+  constexpr double longest = 2;  // in x, where the model is still near
   Vector3 gradient;
   Eigen::Matrix3d hessian;
   std::array<Eigen::VectorXd, 3> slope;
@@ -105,9 +102,9 @@ Vector3 newton_direction(const ShapeEnergy& energy, const Vector3& x, const Eige
     hessian.col(i).setZero();
     hessian(i, i) = 1;
   }
-  if (gradient.norm() <= flat * f.squaredNorm()) return Vector3::Zero();
+  if (gradient.norm() <= tolerance::solved * f.squaredNorm()) return Vector3::Zero();
   const PrincipalAxes axes = principal_axes(hessian);
-  const Vector3 curvature = axes.values.cwiseAbs().cwiseMax(min_curvature * axes.values.cwiseAbs().maxCoeff());
+  const Vector3 curvature = axes.values.cwiseAbs().cwiseMax(tolerance::solved * axes.values.cwiseAbs().maxCoeff());
   const Eigen::Matrix3d scaled = axes.vectors * curvature.cwiseInverse().asDiagonal(),
                         inverse = scaled * axes.vectors.transpose();
   Vector3 direction = -(inverse * gradient);
@@ -117,9 +114,7 @@ Vector3 newton_direction(const ShapeEnergy& energy, const Vector3& x, const Eige
 
 /// Newton's method, kept inside the bounds.
 std::vector<SzilvasiNagy::Step> descend(const ShapeEnergy& energy, Vector3 x, double tiny) {
-  constexpr int steps = 50;          // at most
-  constexpr double shortest = 1e-6;  // part of a step
-  constexpr double gain = 1e-14;     // relative: the step that gains less is the last
+  constexpr int steps = 50;  // at most
   Eigen::VectorXd f = total(energy, x);
   double e = f.squaredNorm();
   std::vector<SzilvasiNagy::Step> path = {step_of(x, e)};
@@ -127,12 +122,12 @@ std::vector<SzilvasiNagy::Step> descend(const ShapeEnergy& energy, Vector3 x, do
     const Vector3 direction = newton_direction(energy, x, f);
     if (direction.isZero(0)) break;
     bool better = false;
-    for (double length = 1; length > shortest; length *= 0.5) {
+    for (double length = 1; length > tolerance::same; length *= 0.5) {
       const Vector3 next = (x + length * direction).cwiseMax(-bound).cwiseMin(bound);
       Eigen::VectorXd f_next = total(energy, next);
       const double e_next = f_next.squaredNorm();
       if (!(e_next < e)) continue;
-      better = e - e_next > gain * e;
+      better = e - e_next > tolerance::fit * e;
       x = next;
       f = std::move(f_next);
       e = e_next;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "tripatch/math/decompositions.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
@@ -21,9 +22,6 @@ constexpr double min_curve_nugget = -13, max_curve_nugget = 3, curve_nugget_step
 /// Of a unit, an edge: so much rounding may have moved each sample, a million sizes from the origin too. Of a straight crease nothing else
 /// is left across it, and neither order nor nugget is to be chosen by that.
 constexpr double rounding_of_samples = 1e-8;
-/// Of the logarithm of a likelihood: what is no likelier than that is no other choice, and the lower order and nugget are taken. Three samples
-/// tell nothing of a nugget: all are as likely.
-constexpr double clearly_likelier = 1e-6;
 /// The length of the gap is that of the curve in it, which is not known before it: each round leaves a twentieth of the error over
 /// such an arc, four 1e-5 of the length, as much as the pieces do.
 constexpr int gap_rounds = 4;
@@ -76,7 +74,7 @@ CreaseCurve::CreaseCurve(const Points& before, const Points& after, double unit)
     along[n] = gap_;
     for (Index k = 1; k < m; ++k) along[n + k] = along[n + k - 1] + (after.row(k) - after.row(k - 1)).norm();
     middle_ = (along[0] + along[n + m - 1]) / 2;
-    half_ = std::max((along[n + m - 1] - along[0]) / 2, 1e-300);
+    half_ = std::max((along[n + m - 1] - along[0]) / 2, tolerance::tiny);
     t_ = (along.array() - middle_) / half_;
     choose(unit);
     const Points curve = at(VectorXd::LinSpaced(length_pieces + 1, 0, 1));
@@ -95,9 +93,9 @@ void CreaseCurve::choose(double unit) {
     const VectorXd& values = contrasts.eigen.values;
     const Eigen::Matrix<double, Eigen::Dynamic, 3> seen = contrasts.polynomials.rest.transpose() * (samples_ / unit);
     const MatrixXd z = contrasts.eigen.vectors.transpose() * seen;
-    const double scale = std::max(values.mean(), 1e-300), count = static_cast<double>(values.size());
+    const double scale = std::max(values.mean(), tolerance::tiny), count = static_cast<double>(values.size());
     for (double decade = min_curve_nugget; decade <= max_curve_nugget; decade += curve_nugget_step) {
-      const double nugget = std::pow(10.0, decade) * scale;
+      const double nugget = std::pow(10, decade) * scale;
       const Eigen::ArrayXd pivots = values.array() + nugget;
       if (!(pivots.minCoeff() > 0)) continue;
       // Two directions across the curve, of which each sample says something.
@@ -105,7 +103,7 @@ void CreaseCurve::choose(double unit) {
       const double squares = ((z.rowwise().squaredNorm().array() + rounding) / pivots).sum();
       const double variance = squares / (2 * count);
       const double likelihood = -count * std::log(variance) - pivots.log().sum();
-      if (!(likelihood > most + clearly_likelier)) continue;
+      if (!(likelihood > most + tolerance::same)) continue;
       most = likelihood;
       order_ = order;
       nugget_ = nugget;

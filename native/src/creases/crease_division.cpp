@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tripatch/creases/crease_curve.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/edge_key.h"
 
@@ -18,10 +19,6 @@ constexpr Index max_of_chain = 24;
 /// New edges along a crease for each edge of the rim, if no resolution is given. The crease is at most half as long as the rim.
 /// With edges as short as those at its ends a rim of 65 edges got 60,000 triangles.
 constexpr Index crease_edges_a_rim_edge = 1;
-/// Of the rim's length: an edge at a crease's end counts as that long, so that the number of new points stays a number.
-constexpr double min_size = 1e-6;
-/// Sizes at a crease's two ends that differ by this share are one: the number of edges between them has its limit there.
-constexpr double one_size = 1e-6;
 
 /// A line through points, linear between them, and their deviations.
 class Polyline {
@@ -43,7 +40,7 @@ private:
       const double place = shares[k] * length();
       Index j = 1;
       while (j + 1 < along_.size() && along_[j] < place) ++j;
-      const double t = (place - along_[j - 1]) / std::max(along_[j] - along_[j - 1], 1e-300);
+      const double t = (place - along_[j - 1]) / std::max(along_[j] - along_[j - 1], tolerance::tiny);
       out.row(k) = (1 - t) * rows.row(j - 1) + t * rows.row(j);
     }
     return out;
@@ -79,7 +76,7 @@ private:
   /// How long edges are at a place of the rim.
   double size(Index place) const {
     const Index r = static_cast<Index>(rim_.size());
-    return out_.even > 0 ? out_.even : std::max((edge(place) + edge(place + r - 1)) / 2, min_size * around_);
+    return out_.even > 0 ? out_.even : std::max((edge(place) + edge(place + r - 1)) / 2, tolerance::same * around_);
   }
 
   Points chain(const CreaseEnd& end, bool towards) const {
@@ -94,8 +91,8 @@ private:
   VertexLoop points_along(Index from, Index to, const Curve& curve, double before, double after, Index least) {
     // edges of linearly growing length: their number is the integral of 1 / size
     const double ratio = after / before;
-    const double edges = curve.length() / before * (std::abs(ratio - 1) < one_size ? 1 : std::log(ratio) / (ratio - 1));
-    const Index asked = static_cast<Index>(std::llround(std::min((1 - tie) * edges, 1e9)));
+    const double edges = curve.length() / before * (std::abs(ratio - 1) < tolerance::same ? 1 : std::log(ratio) / (ratio - 1));
+    const Index asked = static_cast<Index>(std::llround(std::min((1 - tie) * edges, 1 / tolerance::solved)));
     const Index count =
         std::max(least, out_.even > 0 ? asked : std::min(asked, crease_edges_a_rim_edge * static_cast<Index>(rim_.size())));
     VertexLoop line = {from};
@@ -103,7 +100,7 @@ private:
       Eigen::VectorXd shares(count - 1);
       for (Index k = 1; k < count; ++k) {
         const double t = static_cast<double>(k) / static_cast<double>(count);
-        shares[k - 1] = std::abs(ratio - 1) < one_size ? t : (std::pow(ratio, t) - 1) / (ratio - 1);
+        shares[k - 1] = std::abs(ratio - 1) < tolerance::same ? t : (std::pow(ratio, t) - 1) / (ratio - 1);
       }
       const Points p = curve.at(shares);
       const Eigen::VectorXd s = curve.deviation(shares);

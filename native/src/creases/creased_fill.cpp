@@ -9,6 +9,7 @@
 #include "tripatch/creases/crease_division.h"
 #include "tripatch/creases/joined_parts.h"
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/edge_key.h"
 #include "tripatch/mesh/submesh.h"
@@ -19,10 +20,6 @@
 namespace tripatch {
 namespace {
 
-/// Of an edge: a crease that passes a vertex of the rim more closely leaves parts that touch themselves there. On which side of it the vertex
-/// lies is chance where single precision decides, within 1e-6; ten roofs with a rim that comes down to the crease are filled alike at any
-/// distance from 1e-9 on.
-constexpr double grazing = 1e-4;
 /// A point nearer to a crease than this share of its edges is meant to lie on it.
 constexpr double on_crease = 0.05;
 
@@ -108,7 +105,7 @@ CreasedPart creased_part(const Mesh& mesh, const Connectivity& around, const Div
   part.options.joined.erase(std::unique(part.options.joined.begin(), part.options.joined.end()), part.options.joined.end());
   if (options.resolution)
     part.options.resolution =
-        std::max(1, static_cast<int>(std::lround((1 - tie) * length / (3 * std::max(division.even, 1e-300)))));
+        std::max(1, static_cast<int>(std::lround((1 - tie) * length / (3 * std::max(division.even, tolerance::tiny)))));
   else if (r == 3 || (faces.empty() && r > long_rim))  // else a triangle has no surface, a long rim by itself none
     part.options.resolution = static_cast<int>(r / 3);
   return part;
@@ -116,7 +113,7 @@ CreasedPart creased_part(const Mesh& mesh, const Connectivity& around, const Div
 
 double distance_to_edge(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 way = b - a;
-  const double along = std::clamp((p - a).dot(way) / std::max(way.squaredNorm(), 1e-300), 0.0, 1.0);
+  const double along = std::clamp((p - a).dot(way) / std::max(way.squaredNorm(), tolerance::tiny), 0.0, 1.0);
   return (p - a - along * way).norm();
 }
 
@@ -126,7 +123,7 @@ bool grazes_rim(const Division& division, const VertexLoop& rim) {
   for (const VertexLoop& curve : division.curves)
     for (std::size_t k = 0; k + 1 < curve.size(); ++k) {
       const Vec3 a = division.point(curve[k]), b = division.point(curve[k + 1]);
-      const double near = grazing * (b - a).norm();
+      const double near = tolerance::close * (b - a).norm();
       for (std::size_t j = 0; j < r; ++j) {
         const bool ends_there = rim[j] == curve.front() || rim[j] == curve.back();
         if (!ends_there && distance_to_edge(division.point(rim[j]), a, b) < near) return true;

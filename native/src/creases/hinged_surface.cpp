@@ -4,6 +4,8 @@
 #include <array>
 #include <limits>
 
+#include "tripatch/math/tolerances.h"
+
 namespace tripatch {
 namespace {
 
@@ -14,7 +16,7 @@ double signed_distance(const PlanePoints& polygon, const Eigen::RowVector2d& poi
   const Index n = polygon.rows();
   for (Index k = 0; k < n; ++k) {
     const Eigen::RowVector2d a = polygon.row(k), b = polygon.row((k + 1) % n), e = b - a, p = point - a;
-    const double t = std::clamp(p.dot(e) / std::max(e.squaredNorm(), 1e-300), 0.0, 1.0);
+    const double t = std::clamp(p.dot(e) / std::max(e.squaredNorm(), tolerance::tiny), 0.0, 1.0);
     least = std::min(least, (p - t * e).norm());
     if ((a[1] > point[1]) != (b[1] > point[1]) && p[0] < e[0] * p[1] / e[1]) inside = !inside;
   }

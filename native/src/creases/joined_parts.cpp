@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tripatch/creases/hinged_surface.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
@@ -116,7 +117,7 @@ private:
       for (Index k = 0; k < fills_[part].vertices.rows(); ++k) {
         double sum = 0, weights = 0;
         for (Index v : loop) {
-          const double w = 1 / std::max((division_.point(v) - Vec3(fills_[part].vertices.row(k))).squaredNorm(), 1e-300);
+          const double w = 1 / std::max((division_.point(v) - Vec3(fills_[part].vertices.row(k))).squaredNorm(), tolerance::tiny);
           weights += w;
           sum += w * division_.deviation(v);
         }

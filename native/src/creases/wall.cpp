@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tripatch/math/angle.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/mesh/vertex_normals.h"
 
@@ -26,13 +27,13 @@ constexpr double near_share = 0.33;
 }  // namespace
 
 Wall::Wall(const Vec3& normal, const Vec3& point, double across, bool has_faces)
-    : middle_(point), normal_(normal), is_flat_(true), has_faces_(has_faces), within_(in_plane * across) {
+    : middle_(point), normal_(normal), is_flat_(true), has_faces_(has_faces), within_(tolerance::close * across) {
   along_ = normal_.unitOrthogonal();
   beside_ = normal_.cross(along_);
 }
 
 Wall::Wall(const Mesh& mesh, std::vector<Index> faces, const Points& rim, double across)
-    : faces_(std::move(faces)), within_(in_plane * across) {
+    : faces_(std::move(faces)), within_(tolerance::close * across) {
   const auto from_rim = [&](const Vec3& p) { return (rim.rowwise() - p.transpose()).rowwise().squaredNorm().minCoeff(); };
   Vec3 sum = Vec3::Zero();
   double area = 0;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tripatch/math/plane.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/edge_key.h"
 
@@ -18,8 +19,6 @@ constexpr std::size_t max_runs = 9;
 constexpr double farthest_node = 1;
 /// Of the volume that three unit normals span, or the area of two: less, and it is chance where their curved walls meet.
 constexpr double min_span = 0.02;
-/// Newton's steps to where curved walls meet settle within ten where they meet at all.
-constexpr int newton_steps = 20;
 /// Points along a curved crease: over a quarter of a circle its chords are 1e-4 of the radius off.
 constexpr Index curve_points = 49;
 
@@ -37,7 +36,7 @@ bool crosses_its_sides(const PlanePoints& polygon, double within) {
   const Index n = polygon.rows();
   const auto side_of = [&](Index k, Index v) {  // of the line through side k
     const Eigen::RowVector2d a = polygon.row(k), way = polygon.row((k + 1) % n) - a;
-    const double far = cross2(way, polygon.row(v % n) - a) / std::max(way.norm(), 1e-300);
+    const double far = cross2(way, polygon.row(v % n) - a) / std::max(way.norm(), tolerance::tiny);
     return far > within ? 1 : far < -within ? -1 : 0;
   };
   for (Index i = 0; i < n; ++i)
@@ -49,7 +48,7 @@ bool crosses_its_sides(const PlanePoints& polygon, double within) {
 class MeetingSearch {
 public:
   MeetingSearch(const std::vector<Wall>& walls, const Points& rim, const std::vector<std::size_t>& wall, double across)
-      : walls_(walls), rim_(rim), wall_(wall), across_(across), within_(in_plane * across), n_(rim.rows()) {
+      : walls_(walls), rim_(rim), wall_(wall), across_(across), within_(tolerance::close * across), n_(rim.rows()) {
     for (Index k = 0; k < n_; ++k)
       if (wall[k] != wall[(k + n_ - 1) % n_]) first_.push_back(k);
   }
@@ -133,7 +132,7 @@ private:
   std::optional<Vec3> common_point(const std::array<std::size_t, 3>& of) const {
     const bool flat = std::ranges::all_of(of, [&](std::size_t w) { return walls_[w].is_flat(); });
     Vec3 node = flat ? Vec3(rim_.row(0)) : Vec3(rim_.colwise().mean().transpose());
-    for (int step = 0; step < newton_steps; ++step) {
+    for (int step = 0; step < tolerance::newton_steps; ++step) {
       Eigen::Matrix3d normals;
       Vec3 distance;
       for (int k = 0; k < 3; ++k) {
@@ -160,7 +159,7 @@ private:
     if (straight) return points;
     const Vec3 along = (to - from).stableNormalized();
     double longest = across_;
-    for (int step = 0; step < newton_steps && longest > tie * across_; ++step) {
+    for (int step = 0; step < tolerance::newton_steps && longest > tie * across_; ++step) {
       const Wall::At one = a.at(points), other = b.at(points);
       longest = 0;
       for (Index k = 0; k < n; ++k) {  // at a right angle to the chord

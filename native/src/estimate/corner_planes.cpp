@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "tripatch/math/angle.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 
@@ -25,8 +26,6 @@ constexpr double even_turns = 0.05;
 /// By how much planes along a side between two planes are off, of what its turns differ by: arcs of ellipses, of axes of 1.3 to 2, in
 /// two to four faces.
 constexpr double expected_error_uneven = 0.4;
-/// Of its chord: a side that leaves a plane by no more is flat. Arcs of bevels are to rounding.
-constexpr double flat_arc = 1e-3;
 /// Shares of a side's turn at its last inner vertex by which the plane behind its end may lean against its last face; half in a fillet
 /// whose facets are even.
 constexpr double min_lean = 0.25, greatest_lean = 0.75;
@@ -68,7 +67,7 @@ public:
     for (std::size_t k = 1; k + 1 < p.size(); ++k) about += (p[k] - p.front()).cross(chord);
     about.normalize();
     for (const Vec3& q : p)
-      if (!(std::abs((q - p.front()).dot(about)) <= flat_arc * chord.norm())) return {};
+      if (!(std::abs((q - p.front()).dot(about)) <= tolerance::slight * chord.norm())) return {};
     Eigen::Matrix<double, 3, 2> legs;  // along which the planes are left
     legs << start_plane.cross(about).normalized(), end_plane.cross(about).normalized();
     const Eigen::Vector2d x = (legs.transpose() * legs).inverse() * (legs.transpose() * chord);

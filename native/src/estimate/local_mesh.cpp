@@ -9,18 +9,12 @@
 
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
 
-/// Of the rim's extent: shorter rim edges have no length. Directions of the rim are then rounding, of coordinates in double precision.
-constexpr double no_length = 1e-12;
-/// Of the square of a face's extent: smaller areas are rounding.
-constexpr double no_area = 1e-12;
-/// Sine of the angle at a vertex put on an edge: what single precision, in which Blender keeps positions, leaves of a straight line
-/// where edges are a thousandth of the coordinates.
-constexpr double straight = 1e-4;
 constexpr std::size_t many_faces = 500;  ///< it takes 30 us to look at them, several times what it costs to share that
 /// Radians: edges that bend less are never sharp; a quarter of a circle in eleven steps bends by this.
 constexpr double sharp_bend = 8 * std::numbers::pi / 180;
@@ -46,7 +40,7 @@ void measure_rim(const Mesh& mesh, const std::vector<Index>& rim, LocalMesh& w) 
   for (std::size_t k = 0; k < n; ++k) {
     const Index a = rim[k], b = rim[(k + 1) % n];
     const double length = (mesh.vertices.row(a) - mesh.vertices.row(b)).norm();
-    if (!(length > no_length * (high - low).norm())) throw CodedRefusal(Code::edge_without_length, {a, b});
+    if (!(length > tolerance::rounding * (high - low).norm())) throw CodedRefusal(Code::edge_without_length, {a, b});
     w.scale += length / static_cast<double>(n);
   }
 }
@@ -71,7 +65,7 @@ Vec3 area_of(const LocalMesh& w, std::span<const int> face) {
     extent = std::max(extent, d.squaredNorm());
     if (c + 1 < face.size()) sum += d.cross(w.position[face[c + 1]] - p);
   }
-  return sum.norm() > no_area * extent ? sum : Vec3::Zero();
+  return sum.norm() > tolerance::rounding * extent ? sum : Vec3::Zero();
 }
 
 /// The face that holds b -> a.
@@ -100,7 +94,7 @@ bool put_on_edge(const LocalMesh& w, int v) {
   }
   const auto between = [&](int a, int b) {
     const Vec3 p = w.position[a] - w.position[v], q = w.position[b] - w.position[v];
-    return p.dot(q) < 0 && p.cross(q).norm() <= straight * p.norm() * q.norm();
+    return p.dot(q) < 0 && p.cross(q).norm() <= tolerance::close * p.norm() * q.norm();
   };
   const auto [first, second] = beside[0];
   if (faces == 1 || (faces == 2 && beside[1][0] == second && beside[1][1] == first)) return between(first, second);

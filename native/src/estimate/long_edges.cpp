@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
@@ -19,15 +20,11 @@ constexpr double times_as_long = 3;
 constexpr std::size_t share_of_shorter = 4;
 /// Points on an edge, at most: the rest of a longer one is none of the hole's neighborhood.
 constexpr int max_on_edge = 8;
-/// The sine of the angle between two triangles of one flat face, at most: what single precision leaves of triangles 100 times as long as wide.
-constexpr double flat = 1e-4;
 /// If edges at least half as long continue from both ends of a long edge and turn there by this much (a sine: 3 degrees), the
 /// mesh has such edges where its surface is round. An example is a vase of few spokes and many rings. Edges that continue into
 /// short ones, as a wall's do into those of a bevel, may turn as they will.
 constexpr double turns = 0.05;
 constexpr double as_long = 0.5;
-/// Cosine: an edge at right angles, as at the corner of a box, continues from none, whatever rounding makes of it.
-constexpr double goes_on = 1e-6;
 
 /// An edge of a face, or a line across a face from corner to corner.
 struct FaceLine {
@@ -94,7 +91,7 @@ public:
   bool is_inside(const Lines& lines, std::size_t k) const {
     if (k + 1 >= lines.size() || lines[k].ends != lines[k + 1].ends) return false;
     const Vec3 m = normals_.row(lines[k].face), n = normals_.row(lines[k + 1].face);
-    return m.dot(n) > 0 && m.cross(n).norm() < flat;
+    return m.dot(n) > 0 && m.cross(n).norm() < tolerance::close;
   }
   /// Triangles that are cut from the same flat face as this one and meet it in an edge; of a larger face as many as could be cut from it.
   int beside(Index face) const { return beside_[face]; }
@@ -130,10 +127,10 @@ public:
   bool turns_beyond(Index from, Index to) const {
     const Vec3 way = points_.row(to) - points_.row(from);
     Vec3 on = Vec3::Zero();
-    double straightest = goes_on;
+    double straightest = tolerance::same;
     for (std::size_t k = first_[to]; k < first_[to + 1]; ++k) {
       const Vec3 next = points_.row(others_[k]) - points_.row(to);
-      const double cosine = next.dot(way) / std::max(next.norm() * way.norm(), 1e-300);
+      const double cosine = next.dot(way) / std::max(next.norm() * way.norm(), tolerance::tiny);
       if (clearly_more(cosine, straightest)) straightest = cosine, on = next;
     }
     return clearly_more(on.norm(), as_long * way.norm()) && on.cross(way).norm() > turns * on.norm() * way.norm();

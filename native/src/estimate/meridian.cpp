@@ -11,14 +11,11 @@
 #include "tripatch/estimate/stencils.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/decompositions.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
 
-/// Of the diameter: a rim that is farther from a circle is none, as where a round patch is of revolution.
-constexpr double circle_within = 1e-6;
-/// Slope by which vertices may lie off the meridian, seen from the rim: patches of revolution are made where slopes differ by as much.
-constexpr double meridian_within = 1e-4;
 /// Rim edges by which the vertices that are taken are apart, of which those are that say the least deviation. In uneven triangles in single
 /// precision curvature is 2 to 60 times as far off by the first alone, up to 4 times by the first two; without noise they tell the same.
 constexpr std::array<double, 3> apart_by = {0.1, 0.4, 1};
@@ -59,7 +56,7 @@ std::optional<RimCircle> circle_of(const LocalMesh& w) {
     most = std::max(most, off);
   }
   circle.noise = std::sqrt(circle.noise);
-  if (!(most <= circle_within * 2 * circle.radius)) return {};
+  if (!(most <= tolerance::same * 2 * circle.radius)) return {};
   return circle;
 }
 
@@ -180,7 +177,7 @@ MeridianReading read_by(const Conic& conic, const std::vector<OnMeridian>& point
   const auto lies_off = [&](const OnMeridian& p) {
     double sum = 0;
     for (int j = count; j-- > 0;) sum = (sum + x[j]) * p.distance / reach;
-    return !(std::abs(conic.at(p.place) - sum) <= meridian_within * p.distance);
+    return !(std::abs(conic.at(p.place) - sum) <= tolerance::close * p.distance);
   };
   for (const OnMeridian& p : all) {
     if (p.distance > reach) break;
@@ -218,7 +215,7 @@ MeridianReading read_apart(const RimCircle& circle, const std::vector<OnMeridian
                                         counts > 0 ? counts * angle_in_plane(taken.along, other.along) : 0});
       taken.curvature_deviation = std::max({taken.curvature_deviation, std::abs(taken.curvature - before[c].curvature),
                                             counts > 0 ? counts * std::abs(taken.curvature - other.curvature) : 0});
-      const bool reaches = points[count - 1].distance >= (1 - circle_within) * all_around;
+      const bool reaches = points[count - 1].distance >= (1 - tolerance::same) * all_around;
       if (reaches && (!best.valid || taken.curvature_deviation < best.curvature_deviation)) best = taken;
     }
     before = now;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "tripatch/math/parallel.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
@@ -23,8 +24,6 @@ constexpr double further = 1.5;
 constexpr double settled = 0.03;    ///< relative change of a variance: no more iterations (0%, 0%);
 constexpr double nearly = 0.1;      ///< with half of the stencils, which only begin (0%, 0%)
 constexpr double min_noise = 1e-7;  ///< of the stencil radius, as a deviation: keeps the normal equations solvable
-/// Of the points or parameters: the least number that a component is an average over, for a number near 0 may come out below it. 1%, 0%.
-constexpr double min_count = 1e-3;
 /// Of the squared curvature that the faces next to the rim show: the least variance of second derivatives. 0%, -1%.
 constexpr double bends_at_least = 0.3;
 /// Of the variance that a term of one degree more would have at least: so little is left out of a plane.
@@ -40,8 +39,6 @@ constexpr double unseen_share = 0.1;
 constexpr double min_pivot = 1e-4;
 /// Of a fit, after which its coefficients are those of an orthogonal triangularization.
 constexpr int refinements = 2;
-/// Of the coefficients, both in deviations: each correction leaves about as small a part of the one before, and after one of this only rounding.
-constexpr double small_correction = 1e-9;
 
 /// The term of x^i y^j / (i! j!), so that the coefficients are the derivatives of the height.
 struct Term {
@@ -166,7 +163,7 @@ Explained explain(const Stencil& s, const VarianceComponents& components, FitRoo
   const ByMonomial variances = coefficient_variances(room.root, room.over);
   Explained e;
   const auto count = [&](int k, double prior) {
-    return std::max(1 - variances[k] / (term[k].over * term[k].over) * prior, min_count);
+    return std::max(1 - variances[k] / (term[k].over * term[k].over) * prior, tolerance::slight);
   };
   for (int k = 0; k < fit_terms; ++k) {
     const int d = term[k].i + term[k].j;
@@ -182,8 +179,8 @@ Explained explain(const Stencil& s, const VarianceComponents& components, FitRoo
                                                    of_monomials(room.mean).data(), room.root, room.over);
   e.noise = heights.noise;
   e.truncation = heights.truncation;
-  e.noise_count = std::max(heights.noise_count, min_count * heights.noise_points);
-  e.truncation_count = std::max(heights.truncation_count, min_count * heights.truncation_points);
+  e.noise_count = std::max(heights.noise_count, tolerance::slight * heights.noise_points);
+  e.truncation_count = std::max(heights.truncation_count, tolerance::slight * heights.truncation_points);
   return e;
 }
 
@@ -234,7 +231,7 @@ PlaneFit fit_plane(const Stencil& s, const VarianceComponents& components, FitRo
 
 void refine(const Stencil& s, FitRoom& room, PlaneFit& fit) {
   if (!room.normal_equations) return;
-  const double enough = small_correction * room.root.col(fit_terms).head<fit_terms>().norm();
+  const double enough = tolerance::solved * room.root.col(fit_terms).head<fit_terms>().norm();
   for (int pass = 0; pass < refinements; ++pass)
     if (correct(s, room) < enough) break;
   fit.mean = room.mean;
@@ -257,7 +254,7 @@ double predicted_density(const PlaneFit& fit, const FitRoom& room, const Varianc
   solve_upper_transposed(room.root, room.over, row.data());
   const double known = row.squaredNorm();
   // of the sum of the weights at the point, what is left without it
-  const double left = std::max(1 - share * known / own, 1e-9);
+  const double left = std::max(1 - share * known / own, tolerance::solved);
   const double off = off_mean / left, variance = own + known / left;
   return -0.5 * (std::log(2 * std::numbers::pi * variance) + off * off / variance);
 }

@@ -11,32 +11,25 @@
 #include "tripatch/estimate/circle.h"
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
 
 /// Unknowns of a cylinder, and vertices beyond these that tell whether there is one.
 constexpr int cylinder_unknowns = 5, min_beyond = 3;
-/// Vertices lie off a cylinder by this share of what they lie off a plane, at most.
-constexpr double cylinder_within = 1e-3;
-/// Of Gauss-Newton: with faces that lie askew two leave 6e-7, three 2e-13, four rounding; a bound for where there is no cylinder.
-constexpr int max_cylinder_steps = 30;
-/// Where it ends: a step of so much of a rim edge is rounding. With one of 1e-4 planes come to 2e-13.
-constexpr double last_cylinder_step = 1e-13;
 
 /// Edges that the faces are deep: vertices on two circles are on a cylinder and on any surface of revolution through these. Meshes follow their
 /// surfaces, so that long faces bend little along them; squares next to a torus, of 1.6, hide 3 degrees.
 constexpr double deep_faces = 5;
-/// Where they are not so deep the cylinder has to end behind them. Sines and a cosine of angles to the way across: of an edge that is a ruling, and
-/// of those that continue from it.
-constexpr double off_ruling = 1e-3, off_way = 0.1, ahead = 0.7;
+/// Where they are not so deep the cylinder has to end behind them. A sine and a cosine of angles to the way across: of edges
+/// that continue a ruling.
+constexpr double off_way = 0.1, ahead = 0.7;
 /// Of what a strip would turn if it bent as what lies behind it: the turn there is within this of what ends a straight one. Circles of even
 /// edges are to rounding, and strips that bend are off by all of it.
 constexpr double clear_end = 0.25;
 /// Inner vertices of a side that say so, at least; none says otherwise.
 constexpr int min_asked = 2;
-/// Of three faces: the turn that is one, and the sine up to which they turn about one line.
-constexpr double min_turn = 1e-3, off_line = 1e-6;
 
 struct Cylinder {
   Vec3 point, axis;            // axis: unit
@@ -80,7 +73,7 @@ std::optional<std::array<Vec3, 3>> steps_across(const LocalMesh& w, int v, const
   std::array<Vec3, 3> steps;
   Vec3 way = ruling;
   for (int j = 0; j < 3; ++j) {
-    const std::optional<int> next = vertex_ahead(w, v, way, around, j == 0 ? off_ruling : off_way);
+    const std::optional<int> next = vertex_ahead(w, v, way, around, j == 0 ? tolerance::slight : off_way);
     if (!next) return {};
     steps[j] = w.position[*next] - w.position[v];
     way = steps[j].normalized();
@@ -123,7 +116,7 @@ std::optional<Cylinder> cylinder_through(const std::vector<Vec3>& points, const 
   const Circle circle = circle_along(points, middle, u, v);
   c.point = circle.center;
   c.radius = circle.radius;
-  for (int step = 0; step < max_cylinder_steps; ++step) {
+  for (int step = 0; step < tolerance::newton_steps; ++step) {
     u = c.axis.unitOrthogonal();
     v = c.axis.cross(u);
     Eigen::MatrixXd slopes(n, cylinder_unknowns), off(n, 1);
@@ -138,11 +131,11 @@ std::optional<Cylinder> cylinder_through(const std::vector<Vec3>& points, const 
     c.point += x[0] * u + x[1] * v;
     c.axis = (c.axis + x[2] * u + x[3] * v).normalized();
     c.radius += x[4];
-    if (x.norm() < last_cylinder_step) break;
+    if (x.norm() < tolerance::fit) break;
   }
   for (const Vec3& p : points) c.off += std::pow(c.outward(p).norm() - c.radius, 2) / static_cast<double>(n);
   c.off = std::sqrt(c.off);
-  if (!(c.off <= cylinder_within * off_plane && c.radius > 0)) return {};
+  if (!(c.off <= tolerance::slight * off_plane && c.radius > 0)) return {};
   return c;
 }
 
@@ -150,7 +143,7 @@ std::optional<Cylinder> cylinder_through(const std::vector<Vec3>& points, const 
 bool turns_about_line(const LocalMesh& w, const SideDraft& side) {
   const Vec3 first = w.area[side.face.front()].normalized(), last = w.area[side.face.back()].normalized(),
              middle = w.area[side.face[side.face.size() / 2]].normalized(), line = first.cross(last);
-  return line.norm() > min_turn && std::abs(line.normalized().dot(middle)) < off_line;
+  return line.norm() > tolerance::slight && std::abs(line.normalized().dot(middle)) < tolerance::same;
 }
 
 }  // namespace

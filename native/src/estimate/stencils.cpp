@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 
 #include "tripatch/math/smoothstep.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 
@@ -13,8 +14,7 @@ namespace {
 constexpr int enough_points = 50;  ///< a stencil stops growing at this size: more than twice the terms; -6%, 0%
 constexpr int few_points = 8;  ///< beyond the rim: with fewer, those that do not lie in front of the side are used too; 3%, -5%
 constexpr double steep = 0.5;  ///< cosine: vertices turned further count for nothing (14%, and with twice of it none is left),
-constexpr double fully_from = 0.3;      ///< and fully from so much more on, where their heights are those of a graph; 5%, -8%
-constexpr double never_nothing = 1e-6;  ///< but this, for a fit needs points
+constexpr double fully_from = 0.3;  ///< and fully from so much more on, where their heights are those of a graph; 5%, -8%
 // Shares fade over a quarter of a rim edge, or of a ratio of distances, for a plane shall not jump when a vertex moves.
 constexpr double beyond_end = 0.35;   ///< rim edges beyond the plane across a side's end where a share reaches 0; 1%, -4%
 constexpr double nearer_other = 1.3;  ///< times as far from the side as from its neighbor: the share is 0; 31%, -6%
@@ -53,7 +53,7 @@ private:
     const SideDistances::Of& d = distances_.of(v);
     const double mine = std::sqrt(at_start ? d.from_start[farthest_] : d.from_end[edges_ - nearest_]);
     const double other = std::sqrt(std::min(at_start ? d.before : INFINITY, at_end ? d.after : INFINITY));
-    return share * fade(nearer_other - mine / std::max(other, 1e-12 * mine));
+    return share * fade(nearer_other - mine / std::max(other, tolerance::rounding * mine));
   }
 
   static double fade(double x) { return smoothstep(x / fade_width); }
@@ -304,7 +304,7 @@ void look(const LocalMesh& w, const SideDraft& side, int k, const Neighborhood& 
     const Vec3& n = w.normal_at[v];
     const double cosine = n.dot(s.e3);
     if (cosine >= steep + fully_from || n.isZero(0)) continue;
-    share *= std::max(smoothstep((cosine - steep) / fully_from), never_nothing);
+    share *= std::max(smoothstep((cosine - steep) / fully_from), tolerance::same);
   }
 }
 

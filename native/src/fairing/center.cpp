@@ -11,7 +11,7 @@ public:
     with_order<0, max_order>(order, [&](auto constant) {
       for (Index k = 0; k < n; ++k) {
         const Barycentric<constant.value> at(b + 3 * k);
-        const auto bubble = 27.0 * (at[0] * at[1] * at[2]);
+        const auto bubble = 27 * (at[0] * at[1] * at[2]);
         auto f = bubble;
         for (int p = 1; p < power_; ++p) f *= bubble;
         out = store(f * JetPoint<constant.value>(lift_), out);

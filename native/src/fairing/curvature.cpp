@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
@@ -129,7 +130,6 @@ std::array<bool, 3> curvature_agrees(const Sides& sides) {
 }
 
 SurfacePtr meet_curvature(const SurfacePtr& patch, const Sides& sides, const std::array<bool, 3>& wanted) {
-  constexpr double precision = 1e-7;  // of the curvature, where the sides are smooth
   std::array<PiecewisePolynomial, 3> fields;
   for (int i = 0; i < 3; ++i) {
     if (!wanted[i]) continue;
@@ -147,8 +147,8 @@ SurfacePtr meet_curvature(const SurfacePtr& patch, const Sides& sides, const std
       scale = std::max(scale, std::sqrt(form.squared_norm()) * form.across(across[k].first));
       largest = std::max(largest, Vec3::Map(&lacks[3 * k]).norm());
     }
-    const double tolerance = largest > 0 ? std::clamp(precision * scale / largest, 1e-9, 1e-2) : 1e-2;
-    fields[i] = fit_between_vertices(sides[i], tolerance, lacking);
+    const double to = largest > 0 ? std::clamp(tolerance::same * scale / largest, tolerance::solved, 0.01) : 0.01;
+    fields[i] = fit_between_vertices(sides[i], to, lacking);
   }
   return sum(patch, std::make_shared<Bends>(std::move(fields)));
 }
@@ -164,7 +164,7 @@ double largest_jump(const Side& side, std::span<const double> t, const std::vect
   for (std::size_t k = 0; k < t.size(); ++k) {
     const SideForm form = side_form(side, t[k]);
     const double jump = std::abs(form.n.dot(across[k].second) - form(across[k].first)) / form.across(across[k].first);
-    worst = std::max(worst, jump / std::max(std::sqrt(form.squared_norm()), 1e-300));
+    worst = std::max(worst, jump / std::max(std::sqrt(form.squared_norm()), tolerance::tiny));
   }
   return worst;
 }

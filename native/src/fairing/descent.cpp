@@ -10,6 +10,7 @@
 #include "tripatch/fairing/candidates.h"
 #include "tripatch/fairing/energy.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
@@ -18,16 +19,12 @@ namespace {
 // and a helicoid, and at two corners of fillets. Reported is by how much of the diameter a vertex of one of them moves at most.
 constexpr double weight_of_jumps = 0.1;  // of the energy at the start, for each jump of curvature that is tolerated: 1e-3
 constexpr double share_of_reach = 0.9;   // of the way to alpha's bound, so that the steps that follow have room: 0 with 0.54
-/// Of the mean diagonal element: unknowns without rows stay put, others change by rounding; 0 with 1e-10 too.
-constexpr double regularization = 1e-12;
 /// Of one of two energies in the derivative: for less its model, half the work, is not made: 1e-5.
 constexpr double min_share = 0.05;
 
-/// Levenberg and Marquardt's damping, over the metric's share of the trace: at first, what a step changes it by, what it is at least, and
-/// how often it is tried before a step is given up: the usual values.
-constexpr double damping_at_first = 1e-4, damping_by = 10, min_damping = 1e-10;
+/// Levenberg and Marquardt's damping: what a step changes it by, and how often it is tried before a step is given up: the usual values.
+constexpr double damping_by = 10;
 constexpr int dampings_tried = 6;
-constexpr double damped_anyway = 1e-14;  // of the trace, added to each diagonal element: held slopes have empty rows
 
 constexpr double enough = 1e-2;  // relative gain: the step that gains less is the last
 constexpr double none =
@@ -53,7 +50,7 @@ Eigen::VectorXd minimum(const EnergyProblem& problem, const Quadratic& energy) {
         normal += weight_of_jumps * energy.constant * jumps.normal.topLeftCorner(m, m);
         gradient += weight_of_jumps * energy.constant * jumps.gradient.head(m);
       }
-      normal.diagonal().array() += regularization * normal.trace() / m;
+      normal.diagonal().array() += tolerance::rounding * normal.trace() / m;
       x.head(m) += constrained_quadratic_minimum(std::move(normal), gradient, held.leftCols(m));
     }
     return x;
@@ -84,7 +81,8 @@ Merit::Value Merit::operator()(const Eigen::VectorXd& x) const {
   v.third = third_(x);
   v.energy = energy(v.variation, v.quadric) + tension(x);
   if (std::isfinite(v.energy)) {
-    v.log = std::log(std::max(v.energy, no_energy)) + parameterization_counts * std::log(std::max(v.third, no_energy));
+    v.log =
+        std::log(std::max(v.energy, tolerance::tiny)) + parameterization_counts * std::log(std::max(v.third, tolerance::tiny));
     if (problem_.following().any()) v.log += problem_.following().jumps(x, nullptr).squaredNorm();
   }
   return v;
@@ -102,15 +100,17 @@ Merit::Model Merit::linearized(const Eigen::VectorXd& x, const Value& v) const {
 /// The model of the logarithm about x, its parts weighed by their values at x + y: of the matrix the lower triangle, and no constant.
 Quadratic Merit::weighted(const Model& m, const Eigen::VectorXd& x, const Eigen::VectorXd& third_slope, const Value& v,
                           const Eigen::VectorXd& y) const {
-  const auto value = [&](int which, double now) { return m.used[which] ? std::max(m.variation[which](y), min_left * now) : now; };
-  const double variation = value(0, v.variation), quadric = value(1, v.quadric), third = std::max(third_(x + y), no_energy);
+  const auto value = [&](int which, double now) {
+    return m.used[which] ? std::max(m.variation[which](y), tolerance::slight * now) : now;
+  };
+  const double variation = value(0, v.variation), quadric = value(1, v.quadric), third = std::max(third_(x + y), tolerance::tiny);
   double share = quadric_share(variation, quadric);
   if (!m.used[0]) share = 1;
   if (!m.used[1]) share = 0;
   double part = 1, all = 1;  // of the logarithm's derivative what is not tension's; with tension
   if (tense()) {
     const double bent = energy(variation, quadric);
-    all = std::max(bent + tension(x + y), no_energy);
+    all = std::max(bent + tension(x + y), tolerance::tiny);
     part = bent / all;
   }
   std::vector<std::pair<double, const Quadratic*>> parts;
@@ -146,7 +146,7 @@ Eigen::VectorXd Merit::step(const Model& m, const Eigen::VectorXd& x, const Valu
     const Index n = x.size();
     const double damped = damping * (q.normal.trace() / metric.trace());
     for (Index c = 0; c < n; ++c) add_times(damped, metric.data() + c * n + c, n - c, q.normal.data() + c * n + c);
-    q.normal.diagonal().array() += damped_anyway * q.normal.trace();
+    q.normal.diagonal().array() += tolerance::fit * q.normal.trace();
     const Eigen::VectorXd last = std::exchange(y, constrained_quadratic_minimum(std::move(q.normal), q.gradient, held_));
     if ((y - last).norm() < near * y.norm()) break;
   }
@@ -165,7 +165,7 @@ double Merit::quadric_share(double variation, double quadric) const {
 }
 
 int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& x, Merit::Value& value, int iterations) {
-  double damping = damping_at_first;
+  double damping = tolerance::close;
   for (int step = 0; step < iterations; ++step) {
     const Merit::Model model = merit.linearized(x, value);
     double gain = 0;
@@ -176,7 +176,7 @@ int descend(const Merit& merit, const Eigen::MatrixXd& metric, Eigen::VectorXd& 
         gain = value.log - next.log;
         x = y;
         value = next;
-        damping = std::max(damping / damping_by, min_damping);
+        damping = std::max(damping / damping_by, tolerance::solved);
       } else {
         damping *= damping_by;
       }

@@ -3,15 +3,11 @@
 #include <cmath>
 
 #include "tripatch/math/angle.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/triangular_grid.h"
 
 namespace tripatch {
-namespace {
-
-/// How far to both sides of a kink, in the side's parameter, a patch is looked at. A choice: far more than rounding, far less than a row.
-constexpr double beside_kink = 1e-6;
-
-}  // namespace
+namespace {}  // namespace
 
 FoldCounter::FoldCounter(const Sides& sides) : FoldCounter(sides, {kinks_of(sides[0]), kinks_of(sides[1]), kinks_of(sides[2])}) {}
 
@@ -23,7 +19,7 @@ FoldCounter::FoldCounter(const Sides& sides, const std::array<std::vector<double
       for (Index inwards = 0; inwards <= fold_grid_rows; ++inwards) {  // along delta_i
         const double exact = t * fold_grid_rows - 0.5 * static_cast<double>(inwards);
         const Index row = std::lround(exact), other = fold_grid_rows - inwards - row;
-        if (row < 1 || other < 1 || std::abs(exact - static_cast<double>(row)) > beside_kink) continue;
+        if (row < 1 || other < 1 || std::abs(exact - static_cast<double>(row)) > tolerance::same) continue;
         OnKink& point = on_kinks_.emplace_back();
         point.side = i;
         point.rows[i] = inwards;
@@ -54,7 +50,7 @@ void FoldCounter::look_at_both_sides(const Surface& patch, Points& normals) cons
   Points beside(2 * static_cast<Index>(on_kinks_.size()), 3);
   Index k = 0;
   for (const OnKink& point : on_kinks_)
-    for (const double way : {-beside_kink, beside_kink}) {
+    for (const double way : {-tolerance::same, tolerance::same}) {
       auto at = beside.row(k++);
       at << point.rows[0], point.rows[1], point.rows[2];
       at /= fold_grid_rows;

@@ -3,6 +3,7 @@
 #include "tripatch/fairing/fairing_problem.h"
 #include "tripatch/fairing/fairing_space.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/patch/side_weights.h"
 
 namespace tripatch {
@@ -32,7 +33,7 @@ SurfacePtr follow(const FairingBase& base, SurfacePoints points, const FairingOp
 
   SurfacePtr patch = plain;
   for (int round = 0; round < 2; ++round) {
-    Points b = (points.barycentric.array() + 1e-9).matrix();  // at a vertex the terms are 0/0
+    Points b = (points.barycentric.array() + tolerance::solved).matrix();  // at a vertex the terms are 0/0
     for (Index k = 0; k < n; ++k) b.row(k) /= b.row(k).sum();
     const Points missing = points.points - plain->positions(b);
     const Index unknowns = 3 * inner + 6 * slopes;
@@ -65,7 +66,7 @@ SurfacePtr follow(const FairingBase& base, SurfacePoints points, const FairingOp
     for (const Index m : {unknowns, 3 * inner}) {
       Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(m, m);
       normal.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(m).transpose());
-      normal.diagonal().array() += follow_least_diagonal * normal.trace() / static_cast<double>(m);
+      normal.diagonal().array() += tolerance::same * normal.trace() / static_cast<double>(m);
       x.setZero();
       x.head(m) = constrained_quadratic_minimum(normal, -rows.leftCols(m).transpose() * right, Eigen::MatrixXd(0, m));
       if (keeps_alpha(x)) break;

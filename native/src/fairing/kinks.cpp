@@ -7,18 +7,13 @@
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/smoothstep.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
 
-/// How far before a kink its left side is looked at: exactly there the piece behind it counts.
-constexpr double just_before = 1e-9;
-
-/// A jump by more than this part of the length is a kink: a turn by 0.06 degrees. Smooth sides change by some 1e-9 on the way from
-/// just_before, and what turns less is below what a plain mesh tells of its planes.
-constexpr double jump_of_kink = 1e-3;
 bool apart(const Vec3& left, const Vec3& right) {
-  return (right - left).norm() > jump_of_kink * std::max(left.norm(), right.norm());
+  return (right - left).norm() > tolerance::slight * std::max(left.norm(), right.norm());
 }
 
 /// The quintic with the field's own values and first two derivatives at both ends, over [0, 1]: where it has breaks there, those outside.
@@ -61,7 +56,7 @@ public:
       if (!(t.value() > strip.from && t.value() < strip.to)) continue;
       const Jet<N> u = (1 / (strip.to - strip.from)) * (t - strip.from), x = (1 / strip.depth) * b[i], y = 1.0 - x;
       // 1 - x^3 (10 - 15 x + 6 x^2)
-      const Jet<N> phi = y * square(y) * (1.0 + 3.0 * x + 6.0 * square(x));
+      const Jet<N> phi = y * square(y) * (1.0 + 3.0 * x + 6 * square(x));
       p += phi * (compose(strip.e, u) + b[i] * compose(strip.g, u));
     }
     return p;
@@ -73,16 +68,13 @@ private:
 
 Vec3 in_plane(const Vec3& v, const Vec3& n) { return v - n.dot(v) * n; }
 
-/// Of a side: breaks that are nearer to each other, or to an end, are one. Rims of 10,000 edges have breaks a hundred times as far apart.
-constexpr double one_place = 1e-6;
-constexpr double nearly_one_plane = 1e-5;  // sine of the angle between two planes: less, and the line where they meet is rounding
 constexpr double min_slant = 0.2;  // cosine: a line that leaves the side at less than some 12 degrees is no crease to be followed
 
 /// A derivative across that is in the planes of both sides of a kink and goes as far inwards as v: where they differ, along the line
 /// where they meet, which is the crease that ends there. None where that line runs along the side.
 std::optional<Vec3> in_both_planes(const Vec3& v, const Side& before, const Side& after) {
   const Vec3 n0 = before.normal(1), n1 = after.normal(0), line = n0.cross(n1);
-  if (line.norm() < nearly_one_plane) return in_plane(v, (n0 + n1).normalized());
+  if (line.norm() < tolerance::same) return in_plane(v, (n0 + n1).normalized());
   const Vec3 inward = -(before.r(1).normalized() + after.r(0).normalized()).normalized();
   const double slant = inward.dot(line.normalized());
   if (std::abs(slant) < min_slant) return std::nullopt;
@@ -96,15 +88,15 @@ std::vector<double> kinks_of(const Side& side) {
   breaks.insert(breaks.end(), side.r.breaks().begin(), side.r.breaks().end());
   std::sort(breaks.begin(), breaks.end());
   for (double t : breaks) {
-    if (t < one_place || t > 1 - one_place || (!at.empty() && t < at.back() + one_place)) continue;
-    const double before = t - just_before;
+    if (t < tolerance::same || t > 1 - tolerance::same || (!at.empty() && t < at.back() + tolerance::same)) continue;
+    const double before = t - tolerance::solved;
     if (apart(side.c.derivative_at(before), side.c.derivative_at(t)) || apart(side.r(before), side.r(t))) at.push_back(t);
   }
   return at;
 }
 
 double planes_apart(const Side& side, double kink) {
-  const Vec3 a = side.normal(kink - just_before), b = side.normal(kink);
+  const Vec3 a = side.normal(kink - tolerance::solved), b = side.normal(kink);
   return degrees_between(a, b);
 }
 
@@ -183,7 +175,7 @@ SurfacePtr Kinks::restored(const SurfacePtr& patch, const std::array<bool, 3>& t
                 Vec3::Map(&out[3 * k]) = tangent[i] ? Vec3(wanted - d) : Vec3(Vec3::Zero());
               }
             },
-            3, 1e-11));
+            3, tolerance::rounding));
       }
       strip.g = PiecewisePolynomial::joined(g);
       strips.push_back(std::move(strip));

@@ -16,6 +16,7 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/shaped.h"
 #include "tripatch/polygon/domain.h"
@@ -176,9 +177,6 @@ Fill fill_ring(const FillContext& context, const std::vector<Index>& rim, const 
 
 namespace {
 
-/// Newton's steps from the nearest vertex of a fill to the foot of a point on its surface: they settle within five.
-constexpr int foot_steps = 5;
-
 /// Faces whose vertices are numbered from those of a fill's rim on.
 Faces numbered_from_rim(const FillContext& context, const Faces& in_mesh, const Fill& fill) {
   const Index n = context.mesh.vertices.rows(), r = static_cast<Index>(fill.rim.size());
@@ -296,10 +294,11 @@ std::optional<Fill> rows_on_surface(const FillContext& context, const Fill& rows
     Index nearest = 0;
     (fill.vertices.rowwise() - rows.vertices.row(k)).rowwise().squaredNorm().minCoeff(&nearest);
     Vec2 place = fill.uv.row(nearest);
-    for (int step = 0; step < foot_steps; ++step) {
+    for (int step = 0; step < tolerance::newton_steps; ++step) {
       const Foot foot = foot_at(*fill.patch, place, rows.vertices.row(k));
       if (!foot.step.allFinite()) return {};
       place += foot.step;
+      if (foot.step.norm() <= tolerance::rounding * place.norm()) break;
     }
     layout.uv.row(layout.rim + k) = place;
   }

@@ -3,22 +3,19 @@
 #include <algorithm>
 #include <utility>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
 
 namespace {
 
-/// Of the rim's length: vertices so near each other are at one place. Single precision leaves 6e-8 of a coordinate, and a mesh is some ten
-/// times as large as a hole in it; where a boolean of Blender doubled vertices of a sphere they were 2e-8 of the rim apart at most.
-constexpr double no_length = 1e-6;
-
 /// How near each other vertices of a rim are at one place.
 double one_place(const PointsRef& vertices, std::span<const Index> rim) {
   double length = 0;
   for (std::size_t k = 0; k < rim.size(); ++k)
     length += (vertices.row(rim[(k + 1) % rim.size()]) - vertices.row(rim[k])).stableNorm();
-  return no_length * length;
+  return tolerance::same * length;
 }
 
 /// A fill's rows of something at its rim, for the rim with more vertices. row: of each of these.

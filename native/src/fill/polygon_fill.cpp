@@ -7,6 +7,7 @@
 
 #include "tripatch/constructions/methods.h"
 #include "tripatch/math/canonical_start.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/triangles.h"
 #include "tripatch/messages.h"
@@ -75,7 +76,7 @@ PlaneCover triangles_of(const Vec2& center, int sides, const Surface& patch, con
   polygon.points << walk.points, walk.surface->positions(as_rows(polygon.uv.bottomRows(1)));
   polygon.rim = r;
   polygon.sides = sides;
-  polygon.unit = length_around(rim) / std::max(length_around(rim_uv), 1e-300);
+  polygon.unit = length_around(rim) / std::max(length_around(rim_uv), tolerance::tiny);
   for (Index k = 0; k < r; ++k) polygon.triangles.push_back({k, (k + 1) % r, r});
   std::vector<Index> place(r);  // in the walk
   for (Index k = 0; k < r; ++k) place[walk.row[k]] = k;

@@ -15,6 +15,7 @@
 #include "tripatch/grid/quad_rows.h"
 #include "tripatch/grid/rows_surface.h"
 #include "tripatch/hole/rim_checks.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/doubled_edges.h"
@@ -33,8 +34,6 @@ constexpr Index max_inside = 2000;
 constexpr Index right_angles_of_grid = 4;
 /// Rows beyond the rim that the surface goes through: what the spline does at its ends is a fourteenth of that two rows within.
 constexpr Index rows_of_surface = 2;
-/// Of the mean distance of rows: no two are nearer to each other in the surface's domain, whose cubics would be divided by less. A choice.
-constexpr double min_step = 1e-3;
 /// Positions of a block with its rows around.
 class Block {
 public:
@@ -59,7 +58,7 @@ public:
     const double mean = std::accumulate(steps.begin(), steps.end(), 0.0) / static_cast<double>(steps.size());
     double place = 0;
     places.push_back(place);
-    for (double step : steps) places.push_back(place += std::max(step, min_step * mean));
+    for (double step : steps) places.push_back(place += std::max(step, tolerance::slight * mean));
     const double origin = places[static_cast<std::size_t>(-first)];
     for (double& each : places) each -= origin;
     return places;

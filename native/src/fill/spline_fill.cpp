@@ -12,6 +12,7 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/canonical_part.h"
 #include "tripatch/mesh/submesh.h"
@@ -394,16 +395,13 @@ void bring_back(const CanonicalPart& part, const Mesh& mesh, const std::vector<s
     fill.patch = std::make_shared<PlanePatch>(part.mirrored ? mirrored(plane->surface()) : plane->surface(), fill.rim_uv);
 }
 
-/// Of the diameter of a rim: vertices that are so near its plane lie in it.
-constexpr double in_rim_plane = 1e-6;
-
 }  // namespace
 
 bool is_flat_quadrilateral(const Points& rim, const Points& inside) {
   if (rim.rows() != 4 || inside.rows() == 0) return false;
   const Vec3 first = rim.row(2) - rim.row(0), other = rim.row(3) - rim.row(1);
   const Vec3 normal = first.cross(other).stableNormalized();
-  const double reach = in_rim_plane * std::max(first.norm(), other.norm());
+  const double reach = tolerance::same * std::max(first.norm(), other.norm());
   const auto lie = [&](const Points& points) {
     return (((points.rowwise() - rim.row(0)) * normal).array().abs() <= reach).all();
   };

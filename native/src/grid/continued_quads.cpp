@@ -14,6 +14,7 @@
 #include "tripatch/grid/mixed_differences.h"
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/quads/wanted_quads.h"
 
@@ -22,11 +23,6 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 using Solver = Eigen::SparseQR<Sparse, Eigen::NaturalOrdering<int>>;
-
-/// Of the root mean square column, the pivot of what is not determined. Differences are of whole numbers, so that pivots are rounding or far
-/// from it: of holes like an L, a T, a cross, a triangle in grids and at the corner of a box, with 20 to 1,200 vertices inside, the least is
-/// 4e-5. Of those that a single row of quads around the corner of a box does not determine, 1e-14 at most.
-constexpr double undetermined = 1e-9;
 
 /// The quads and as many rings of faces around them as differences reach, with numbers of their own: the rim, inside, around.
 struct Neighborhood {
@@ -170,7 +166,7 @@ public:
       matrix.setFromTriplets(of_inside.begin(), of_inside.end());
       matrix.makeCompressed();
       Solver solver;
-      solver.setPivotThreshold(undetermined * std::sqrt(matrix.squaredNorm() / static_cast<double>(quads.inside)));
+      solver.setPivotThreshold(tolerance::solved * std::sqrt(matrix.squaredNorm() / static_cast<double>(quads.inside)));
       solver.compute(matrix);
       determined_ = solver.rank() == quads.inside;
       if (!determined_) return;
@@ -188,7 +184,7 @@ public:
   double missed(const std::vector<Index>& places) const {
     const Index count = static_cast<Index>(places.size());
     if (left_.rows() < count) return INFINITY;
-    const auto [moved, rank] = minimum_norm_least_squares(of_rim_(Eigen::all, places), left_, undetermined);
+    const auto [moved, rank] = minimum_norm_least_squares(of_rim_(Eigen::all, places), left_, tolerance::solved);
     return rank < count ? INFINITY : std::sqrt(moved.squaredNorm() / static_cast<double>(count));
   }
 

@@ -7,6 +7,7 @@
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/messages.h"
 
@@ -25,7 +26,6 @@ constexpr double over_neighbors = 2;  ///< or by this many times what it turns a
 constexpr double crisp_turn =
     75 * std::numbers::pi / 180;          ///< a single vertex that turns by this is never part of another corner,
 constexpr double crisp_share = 1.0 / 12;  ///< given that its edges are this long, in windows: those of no length turn by noise
-constexpr double as_strong = 1e-6;        ///< radians between two turns that are equal but for rounding
 constexpr std::size_t max_corners = 12;   ///< counted; a rim with more has none that is clear
 
 /// How far the rim turns around each vertex: the mean direction over a window after it against that before it. That weights
@@ -76,7 +76,7 @@ std::vector<Index> turning_corners(RimShape shape, const Loop& rim) {
       if (is_corner[k] || !clear) continue;
       // equally strong ones: the lowest vertex, not the last bit
       const double lead = best < 0 ? 1 : over[k] - over[best];
-      if (lead > as_strong || (lead > -as_strong && rim[k] < rim[best])) best = k;
+      if (lead > tolerance::same || (lead > -tolerance::same && rim[k] < rim[best])) best = k;
     }
     if (best < 0) break;
     corners.push_back(best);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "tripatch/math/box_tree.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/edge_key.h"
 
@@ -257,7 +258,7 @@ JoinedBorders join_borders(const Mesh& mesh, std::span<const std::vector<Index>>
 }
 
 std::vector<Contact> contacts(const Mesh& mesh, std::span<const std::vector<Index>> loops) {
-  const double reach = near_place * size_of(mesh);
+  const double reach = tolerance::close * size_of(mesh);
   const std::vector<BorderSegment> segments = segments_of(mesh, loops);
   const NearSegments tree(segments);
   std::vector<Contact> found(loops.size());

@@ -6,14 +6,13 @@
 #include <optional>
 #include <utility>
 
+#include "tripatch/math/tolerances.h"
+
 namespace tripatch {
 namespace {
 
 using Loop = std::vector<Index>;
 using Corner = Connectivity::Corner;
-
-/// Of the rim's length: shorter edges have none. Some hundred times the rounding of coordinates as large as the rim is long.
-constexpr double shortest_edge = 1e-14;
 
 /// The edges of a rim by how the faces next to them hold them: as given, or reversed.
 struct RimEdges {
@@ -138,7 +137,7 @@ void check_positions(const Mesh& mesh, const Connectivity& around, const std::ve
   for (std::size_t k = 0; k < n; ++k) length += edge_length(k);
   if (!std::isfinite(length)) throw CodedRefusal(Code::rim_too_large, {rim[0]});
   for (std::size_t k = 0; k < n; ++k)
-    if (!(edge_length(k) > shortest_edge * length)) {
+    if (!(edge_length(k) > tolerance::fit * length)) {
       const Index a = rim[k], b = rim[(k + 1) % n];
       throw CodedRefusal(Code::edge_without_length, {a, b});
     }

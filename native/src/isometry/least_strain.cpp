@@ -6,6 +6,7 @@
 
 #include "tripatch/math/plane.h"
 #include "tripatch/math/sparse_ldlt.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/parametrization/parametrization.h"
 #include "tripatch/spline/minimize_bending.h"
 
@@ -61,7 +62,7 @@ struct Unrolled {
   double strain(const WeightedEdge& e) const {
     const double here = (points.row(e.to) - points.row(e.from)).squaredNorm();
     const double there = (flat.row(e.to) - flat.row(e.from)).squaredNorm();
-    return (here - there) / std::max(here + there, 1e-300);
+    return (here - there) / std::max(here + there, tolerance::tiny);
   }
 };
 
@@ -144,7 +145,7 @@ private:
     for (const WeightedEdge& e : edges_) {
       const Eigen::RowVector3d here = at.points.row(e.to) - at.points.row(e.from);
       const Eigen::RowVector2d there = at.flat.row(e.to) - at.flat.row(e.from);
-      const double scale = 2 / std::max(here.squaredNorm() + there.squaredNorm(), 1e-300);
+      const double scale = 2 / std::max(here.squaredNorm() + there.squaredNorm(), tolerance::tiny);
       row.clear();
       for (const auto& [vertex, sign] : {std::pair(e.from, -scale), std::pair(e.to, scale)}) {
         for (int c = 0; c < 3 && vertex < free(); ++c) row.emplace_back(static_cast<int>(3 * vertex + c), sign * here[c]);

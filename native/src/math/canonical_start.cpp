@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
@@ -70,7 +71,7 @@ void CanonicalStarts::compare_with(const Points& points) {
   for (Index k = 0; k < points.rows(); ++k)
     if (points.row(k).allFinite()) finite.row(count++) = points.row(k).array();
   finite.conservativeResize(count, 3);
-  const double edge = length_ / static_cast<double>(size()), square = std::max(edge * edge, 1e-300);
+  const double edge = length_ / static_cast<double>(size()), square = std::max(edge * edge, tolerance::tiny);
   choose([&](Index k, Index step) {
     const Vec3 p = (1 - off_middle) * at(k) + off_middle * at(k + step);
     return (square /

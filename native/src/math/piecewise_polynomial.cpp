@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -35,16 +36,12 @@ void horner(const double* a, int degree, double u, double* out) {
     for (int x = 0; x < 3; ++x) out[3 * j + x] = sum[j][x];
 }
 
-/// Of the whole parameter: breaks of two fields that are nearer are one. Some thousand times what rounding leaves of a parameter that each
-/// of them has computed for itself.
-constexpr double one_break = 1e-12;
-
 std::vector<double> merged(const std::vector<double>& a, const std::vector<double>& b) {
   std::vector<double> all(a.size() + b.size()), out = {0.0};
   std::merge(a.begin(), a.end(), b.begin(), b.end(), all.begin());
   out.reserve(all.size());
   for (double t : all)
-    if (t > out.back() + one_break && t < 1 - one_break) out.push_back(t);
+    if (t > out.back() + tolerance::rounding && t < 1 - tolerance::rounding) out.push_back(t);
   out.push_back(1.0);
   return out;
 }

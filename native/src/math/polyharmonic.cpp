@@ -6,12 +6,11 @@
 
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/simd.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
 
-/// Distance from a center at which derivatives are taken that have no limit there.
-constexpr double beside_center = 1e-7;
 constexpr double min_square = std::numeric_limits<double>::min();
 
 /// Of u^i v^j among monomials up to a degree.
@@ -33,7 +32,7 @@ double polyharmonic_factor(int e) {
   const int turns = e % 2 == 0 ? e / 2 + 1 : (e + 1) / 2;
   return (e % 2 == 0 ? 0.5 : 1) * (turns % 2 == 0 ? 1 : -1);
 }
-int free_degree_of(double order) { return static_cast<int>(std::floor(order - 1 + 1e-9)); }
+int free_degree_of(double order) { return static_cast<int>(std::floor(order - 1 + tolerance::solved)); }
 int free_polynomials(double order) { return (free_degree_of(order) + 1) * (free_degree_of(order) + 2) / 2; }
 
 PlaneDistances::PlaneDistances(const PlanePoints& points, const PlanePoints& others)
@@ -119,7 +118,7 @@ template <int Order>
 TRIPATCH_PACKED void PolyharmonicSum::add_odd_derivatives(const Lane<lanes>& x, const Lane<lanes>& y,
                                                           Jets<Lane<lanes>, Order>& sum) const {
   constexpr int count = (Order + 1) * (Order + 2) / 2;
-  const Pack own_x = loaded(x.data()), own_y = loaded(y.data()), nearest = all_lanes(beside_center * beside_center);
+  const Pack own_x = loaded(x.data()), own_y = loaded(y.data()), nearest = all_lanes(tolerance::same * tolerance::same);
   Pack total[count][3];
   for (int d = 0; d < count; ++d)
     for (int axis = 0; axis < 3; ++axis) total[d][axis] = loaded(sum[d][axis].data());
@@ -128,7 +127,7 @@ TRIPATCH_PACKED void PolyharmonicSum::add_odd_derivatives(const Lane<lanes>& x, 
     const Pack dx = own_x - all_lanes(center[0]), dy = own_y - all_lanes(center[1]), square = dx * dx + dy * dy;
     const auto beside = square < nearest;
     const Pack apart = beside ? nearest : square, root = square_root(apart);
-    const Pack a = beside ? all_lanes(beside_center) : dx, b = beside ? all_lanes(0) : dy;
+    const Pack a = beside ? all_lanes(tolerance::same) : dx, b = beside ? all_lanes(0) : dy;
     Pack lower = root;
     int power = 1;
     for (const Term& term : odd_) {
@@ -213,7 +212,7 @@ void PolyharmonicSum::derivatives_at(const PlanePoints& at, Index first, double*
 #endif
   for (Index i = 0; i < centers_.rows() && !(added && even_.empty()); ++i) {
     const Values dx = x - c[2 * i], dy = y - c[2 * i + 1], square = dx * dx + dy * dy;
-    const Values apart = square.max(beside_center * beside_center);
+    const Values apart = square.max(tolerance::same * tolerance::same);
     // slope: of the kernel, over the way from the center; bend: the slope's own, likewise
     const auto add = [&](const Term& term, const Values& kernel, const Values& slope, const auto& bend) {
       const double* const w = term.weights.data() + 3 * i;
@@ -225,8 +224,8 @@ void PolyharmonicSum::derivatives_at(const PlanePoints& at, Index first, double*
       add_all(sum[2], slope * dy);
       if constexpr (Order == 2) {
         // next to a center as a ten-millionth from it along u
-        const auto beside = square < beside_center * beside_center;
-        const Values a = beside.select(beside_center, dx), b = beside.select(0, dy), bent = bend(), bent_a = bent * a;
+        const auto beside = square < tolerance::same * tolerance::same;
+        const Values a = beside.select(tolerance::same, dx), b = beside.select(0, dy), bent = bend(), bent_a = bent * a;
         add_all(sum[3], 0.5 * (slope + bent_a * a));
         add_all(sum[4], bent_a * b);
         add_all(sum[5], 0.5 * (slope + bent * b * b));

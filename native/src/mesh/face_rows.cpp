@@ -11,6 +11,7 @@
 
 #include "tripatch/math/box_tree.h"
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
@@ -65,7 +66,7 @@ public:
     for (const BoxTree::Box& box : boxes) whole_.extend(box);
     Vec3 mean = Vec3::Zero();
     for (const BoxTree::Box& box : boxes) mean += box.sizes() / static_cast<double>(boxes.size());
-    double cell = std::max(mean.maxCoeff() / 2, 1e-300);
+    double cell = std::max(mean.maxCoeff() / 2, tolerance::tiny);
     const auto all = [&] { return (whole_.sizes() / cell).array().floor().unaryExpr([](double x) { return x + 1; }).prod(); };
     while (!(all() <= most_cells)) cell *= 2;
     per_unit_ = 1 / cell;

@@ -1,13 +1,11 @@
 #include "tripatch/mesh/vertex_normals.h"
 
 #include "tripatch/math/angle.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
-
-/// Of a sum of unit normals times angles, what rounding may leave of normals that cancel.
-constexpr double cancelled = 1e-9;
 
 /// Zero stays zero.
 Vec3 unit(const Vec3& v) {
@@ -50,7 +48,7 @@ Points vertex_normals(const Mesh& mesh, const PointsRef& corner_normals) {
   }
   for (Index v = 0; v < normals.rows(); ++v) {
     const Vec3 sum = normals.row(v);
-    normals.row(v) = sum.norm() < cancelled ? Vec3::Zero() : unit(sum);
+    normals.row(v) = sum.norm() < tolerance::solved ? Vec3::Zero() : unit(sum);
   }
   return normals;
 }

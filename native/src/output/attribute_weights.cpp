@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tripatch/math/parallel.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -13,10 +14,6 @@ namespace {
 
 /// Points that make a thread worth its start of some 0.1 ms: a point over a triangle takes about 0.1 us.
 constexpr Index points_a_thread = 4096;
-
-/// Of the product of two distances, below which a point counts as lying on the edge between their ends: rounding of the
-/// determinant and the scalar product leaves a few units in the last place.
-constexpr double on_edge = 1e-14;
 
 }  // namespace
 
@@ -97,7 +94,7 @@ void AttributeWeights::plane_row(Index k, Index* ends, double* weights) const {
       return;
     }
     const double below = r * s + here.dot(next);
-    if (s > 0 && below <= on_edge * r * s) {
+    if (s > 0 && below <= tolerance::fit * r * s) {
       std::fill_n(weights, 2 * rim_, 0.0);
       weights[2 * e] = s / (r + s);
       weights[2 * e + 1] = r / (r + s);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 
@@ -116,7 +117,7 @@ void DomainMesh::raise_beside_rim(double fall) {
       const int a = f.v[(k + 1) % 3], b = f.v[(k + 2) % 3], apex = f.v[k];
       if (f.n[k] != at_rim || on_rim(apex) || !rim_is_complete(a, b)) continue;
       const Vec3 e = x_[b] - x_[a];
-      const double height = e.cross(x_[apex] - x_[a]).norm() / std::max(e.norm(), 1e-300);
+      const double height = e.cross(x_[apex] - x_[a]).norm() / std::max(e.norm(), tolerance::tiny);
       size_[apex] = std::max(size_[apex], e.norm() - fall * height);
     }
 }
@@ -273,7 +274,6 @@ bool DomainMesh::collapse(int v, int w) {
 /// By the plane's coordinates of the neighbors, made orthogonal first: sums of their squares alone have lost the digits of how vertices lie
 /// across a strip.
 std::optional<DomainMesh::Way> DomainMesh::way_of(int v) {
-  constexpr double flat_metric = 1e-12;  // of its square: a metric's determinant below it has no inverse but rounding
   Vec3 center = Vec3::Zero();
   double weights = 0, uu = 0, uv = 0;
   spokes_.clear();
@@ -286,7 +286,7 @@ std::optional<DomainMesh::Way> DomainMesh::way_of(int v) {
     center += w * (x_[p] + x_[q] - 2 * x_[v]) / 3;
     weights += w;
     const Vec2 along = (b_[p] - b_[v]).tail<2>();
-    const double near = 1 / std::max(x.squaredNorm(), 1e-300);
+    const double near = 1 / std::max(x.squaredNorm(), tolerance::tiny);
     uu += near * along[0] * along[0];
     uv += near * along[0] * along[1];
     spokes_.push_back({x, along, near});
@@ -306,7 +306,7 @@ std::optional<DomainMesh::Way> DomainMesh::way_of(int v) {
   by_across /= across;  // x = by_u u + by_across (v - lean u)
   const Vec3 x_u = by_u - lean * by_across;
   const double xx = x_u.squaredNorm(), yy = by_across.squaredNorm(), xy = x_u.dot(by_across);
-  if (!(x_u.cross(by_across).squaredNorm() > flat_metric * (xx * xx + yy * yy + 2 * xy * xy))) return {};
+  if (!(x_u.cross(by_across).squaredNorm() > tolerance::rounding * (xx * xx + yy * yy + 2 * xy * xy))) return {};
   const double length = by_u.squaredNorm(), turn = by_u.dot(by_across) / length;
   const Vec3 aside = by_across - turn * by_u, to = center / weights;
   const double off = aside.dot(to) / aside.squaredNorm(), along = by_u.dot(to) / length - turn * off;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tripatch/math/angle.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/edge_key.h"
 
@@ -34,11 +35,11 @@ double error_of(const PointsRef& points, const std::array<Index, 4>& quad, const
     const bool stays = contains(stay, before, here) && contains(stay, here, next);
     const double off = std::abs(degrees_between(x[(k + 1) % 4] - x[k], x[(k + 3) % 4] - x[k]) - 90);
     corner = std::max(
-        corner,
-        off / std::max(stays ? options.largest_corner : options.largest_free_corner.value_or(options.largest_corner), 1e-9));
+        corner, off / std::max(stays ? options.largest_corner : options.largest_free_corner.value_or(options.largest_corner),
+                               tolerance::solved));
   }
   if (!(fold <= options.largest_fold) || !(corner <= 1)) return std::numeric_limits<double>::infinity();
-  return fold / std::max(options.largest_fold, 1e-9) + corner;
+  return fold / std::max(options.largest_fold, tolerance::solved) + corner;
 }
 
 /// All pairs within the thresholds, the best first.

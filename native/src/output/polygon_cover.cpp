@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "tripatch/math/tolerances.h"
+
 namespace tripatch {
 namespace {
 
@@ -36,7 +38,7 @@ double squares_a_quad(const PlaneLayout& layout, const Points& vertices) {
   }
   for (Index k = 0; k < layout.rim; ++k) length += (vertices.row((k + 1) % layout.rim) - vertices.row(k)).norm();
   const double edge = length / static_cast<double>(layout.rim);
-  return area / static_cast<double>(layout.faces.size()) / std::max(edge * edge, 1e-300);
+  return area / static_cast<double>(layout.faces.size()) / std::max(edge * edge, tolerance::tiny);
 }
 
 /// Rows of a rim, and after that of `place` another.

@@ -12,6 +12,7 @@
 #include <set>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/output/domain_mesh.h"
 
@@ -23,8 +24,7 @@ using VertexPair = std::array<int, 2>;
 constexpr int max_sources = 200;  // of rim sizes: longer rims count by runs of edges
 constexpr int max_passes = 60;    // a rim of 10,000 edges needs 25
 constexpr int careful_passes = 2;
-constexpr double beside_edge = 1e-6;  // of the domain's size: a place so near to an edge of a triangle is on it
-constexpr double min_move = 0.03;     // of the size: smaller moves are not worth an evaluation
+constexpr double min_move = 0.03;  // of the size: smaller moves are not worth an evaluation
 
 VertexPair ordered(Index a, Index b) { return {static_cast<int>(std::min(a, b)), static_cast<int>(std::max(a, b))}; }
 
@@ -70,17 +70,17 @@ public:
     v_ = weight_ = log_size_ = soft_ = u_;
     const Vec2 low = p.uv.colwise().minCoeff(), high = p.uv.colwise().maxCoeff();
     middle_ = (low + high) / 2;
-    scale_ = std::max((high - low).maxCoeff() / 2, 1e-300);
+    scale_ = std::max((high - low).maxCoeff() / 2, tolerance::tiny);
     space_ = scale_ * p.unit;
     for (Index k = 0; k < n; ++k) {
       const auto& [a, b] = border_[k];
       const double length = (p.points.row(a) - p.points.row(b)).norm();
       edge_.push_back(length);
       const Vec2 at = ((p.uv.row(a) + p.uv.row(b)) / 2 - middle_.transpose()) / scale_;
-      const auto share = length / space_ + 1e-20;
+      const auto share = length / space_ + tolerance::tiny;
       u_[k / run] += share * at[0];
       v_[k / run] += share * at[1];
-      log_size_[k / run] += share * std::log(std::max(length / space_, 1e-20));
+      log_size_[k / run] += share * std::log(std::max(length / space_, tolerance::tiny));
       weight_[k / run] += share;
     }
     u_ /= weight_;
@@ -88,7 +88,7 @@ public:
     log_size_ /= weight_;
     soft_ = 0.25 * weight_.square();
     around_ = std::accumulate(edge_.begin(), edge_.end(), 0.0);
-    if (resolution) log_size_.setConstant(std::log(std::max(around_ / (p.sides * *resolution) / space_, 1e-20)));
+    if (resolution) log_size_.setConstant(std::log(std::max(around_ / (p.sides * *resolution) / space_, tolerance::tiny)));
   }
 
   /// In space; uv in the polygon's own units.
@@ -105,7 +105,7 @@ public:
       const Vec2 a = p.uv.row(t[0]), b = Vec2(p.uv.row(t[1])) - a, c = Vec2(p.uv.row(t[2])) - a;
       const double twice = (b[0] * c[1] - b[1] * c[0]) * p.unit * p.unit;
       const double longest = std::max({b.norm(), c.norm(), (b - c).norm()}) * p.unit;
-      const int parts = static_cast<int>(std::clamp(std::ceil(longest / (2 * at(a + (b + c) / 3))), 1.0, 6.0));
+      const int parts = static_cast<int>(std::clamp(std::ceil(longest / (2 * at(a + (b + c) / 3))), 1.0, 4.0));
       for (int i = 0; i < parts; ++i)
         for (int j = 0; i + j < parts; ++j)
           for (int half = 0; half < (i + j + 1 < parts ? 2 : 1); ++half) {
@@ -245,7 +245,7 @@ private:
     if (resolution) {  // a coarse rim must not use up the room that a finer inside needs
       const double room = sizes_.around() / (6 * std::sqrt(3.0));  // radius of an equal triangle's incircle
       const double longest = *std::max_element(sizes_.edges().begin(), sizes_.edges().end());
-      decline_ = std::max(decline_, 2 * longest / std::max(room, 1e-300));
+      decline_ = std::max(decline_, 2 * longest / std::max(room, tolerance::tiny));
     }
     bound_triangles(count, edges, resolution);
   }
@@ -455,7 +455,7 @@ bool is_inside_one_ring(const std::vector<std::array<Index, 3>>& triangles, Inde
 
 bool insert_row(PlanePolygon& polygon, const Eigen::RowVector2d& uv, const Vec3& point) {
   const Index row = polygon.uv.rows();
-  const double near = beside_edge * (polygon.uv.colwise().maxCoeff() - polygon.uv.colwise().minCoeff()).maxCoeff();
+  const double near = tolerance::same * (polygon.uv.colwise().maxCoeff() - polygon.uv.colwise().minCoeff()).maxCoeff();
   for (Index k = 0; k < row; ++k)
     if ((polygon.uv.row(k) - uv).norm() <= near) {
       if (k >= polygon.rim) polygon.points.row(k) = point;

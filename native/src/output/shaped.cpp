@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "tripatch/math/plane.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/mesh/vertex_normals.h"
 #include "tripatch/messages.h"
 #include "tripatch/report/folded_triangles.h"
@@ -25,8 +26,6 @@ constexpr double farthest = 1e6;
 constexpr int shape_degree = 4, shape_terms = jet_size(shape_degree);
 /// Places of the domain's bounding box, a side, at which energies are summed up.
 constexpr int shape_grid = 24;
-/// Of the product of two distances, below which a place lies on the edge between their ends: as in attribute_weights.cpp.
-constexpr double on_rim_edge = 1e-12;
 
 using Terms = Eigen::Matrix<double, shape_terms, 1>;
 using TermPoints = Eigen::Matrix<double, shape_terms, 3>;
@@ -74,7 +73,7 @@ std::optional<Displacement::Place<N>> Displacement::at(const Vec2& p) const {
     if (rim.row(k) == rim.row(j)) continue;
     if (aa.value() == 0 || bb.value() == 0) return {};
     const Jet<N> a = sqrt(aa), b = sqrt(bb), below = a * b + ax * bx + ay * by;
-    if (below.value() <= on_rim_edge * a.value() * b.value()) return {};
+    if (below.value() <= tolerance::rounding * a.value() * b.value()) return {};
     const Jet<N> half_tangent = sign * (ax * by - ay * bx) / below;
     const Jet<N> at_first = half_tangent / a, at_second = half_tangent / b;
     sum += at_first + at_second;
@@ -245,7 +244,7 @@ Eigen::Matrix<double, shape_terms, shape_terms> energy_of_terms(const Displaceme
       energy += rows * rows.transpose() * (high - low).prod() / (shape_grid * shape_grid * by.unit * by.unit);
     }
   // rim that leave no place of the grid inside have no energy: they are kept as they are
-  energy.diagonal().array() += 1e-12 * energy.diagonal().maxCoeff() + std::numeric_limits<double>::min();
+  energy.diagonal().array() += tolerance::rounding * energy.diagonal().maxCoeff() + std::numeric_limits<double>::min();
   return energy;
 }
 

@@ -13,6 +13,7 @@
 
 #include "tripatch/math/canonical_start.h"
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/math/triangular_grid.h"
 #include "tripatch/output/domain_mesh.h"
@@ -66,8 +67,8 @@ public:
       return;
     }
     // One triangle of three rim edges has no edge to split: begin with a triangle inside.
-    std::vector<Vec3> inside(3, Vec3::Constant(0.2));
-    for (int k = 0; k < 3; ++k) inside[k][k] = 0.6;
+    std::vector<Vec3> inside(3, Vec3::Constant(1.0 / 5));
+    for (int k = 0; k < 3; ++k) inside[k][k] = 3.0 / 5;
     const Points y = positions(inside);
     for (int k = 0; k < 3; ++k) add_vertex(inside[k], y.row(k));
     triangles_.push_back({{3, 4, 5}, {4, 6, 2}});
@@ -149,13 +150,13 @@ private:
       for (int k = 0; k <= n; ++k) {
         const double before = edge[start + std::max(k - 1, 0)], after = edge[start + std::min(k, n - 1)];
         const double size = resolution ? all / *resolution : 0.5 * (before + after);
-        log_size_[side].push_back(std::log(std::max(size, 1e-300)));
+        log_size_[side].push_back(std::log(std::max(size, tolerance::tiny)));
       }
     }
     if (resolution) {  // a coarse rim must not use up the room that a finer inside needs
       const double room =
           std::accumulate(edge.begin(), edge.end(), 0.0) / (6 * std::sqrt(3.0));  // radius of an equal hole's incircle
-      decline_ = std::max(decline_, 2 * *std::max_element(edge.begin(), edge.end()) / std::max(room, 1e-300));
+      decline_ = std::max(decline_, 2 * *std::max_element(edge.begin(), edge.end()) / std::max(room, tolerance::tiny));
     }
     bound_triangles(triangles_wanted(), rim_, resolution);
   }
@@ -346,8 +347,7 @@ public:
     CanonicalStarts beginnings(patch.positions(rim), {}, corner);
     beginnings.compare_along();
     if (!beginnings.decided())
-      beginnings.compare_with(
-          patch.positions((Points(4, 3) << 0.6, 0.2, 0.2, 0.2, 0.6, 0.2, 0.2, 0.2, 0.6, 0.4, 0.3, 0.3).finished()));
+      beginnings.compare_with(patch.positions((Points(4, 3) << 3, 1, 1, 1, 3, 1, 1, 1, 3, 2, 1.5, 1.5).finished() / 5));
     first_ = beginnings.left()[0];
     const Index start = std::find(corner.begin(), corner.end(), first_.place) - corner.begin();
     for (int i = 0; i < 3; ++i) {

@@ -8,6 +8,7 @@
 
 #include "tripatch/math/block_ldlt.h"
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/parametrization/layout_mesh.h"
 #include "tripatch/parametrization/tutte_system.h"
@@ -19,10 +20,6 @@ using Triangle = LayoutMesh::Triangle;
 using Matrix2 = Eigen::Matrix2d;
 using Sparse = Eigen::SparseMatrix<double>;
 
-/// Of a triangle's longest edge: flatter ones are laid out as if they were that high.
-constexpr double min_height = 1e-3;
-/// Of that longest edge over the side of the mean triangle.
-constexpr double min_length = 1e-4;
 /// Of a triangle that closes an inner hole, times its area: as good as free to deform, within 1% of what a tube's end is without it.
 constexpr double weight_of_filled = 1e-2;
 /// Of the weights of Tutte's embedding, which must be positive. Only where the layout begins depends on it, and on the next four.
@@ -31,28 +28,20 @@ constexpr double min_cotangent = 0.05;
 constexpr double min_border_edge = 1e-2;
 /// Of the embedding. A finger six radii long begins at an energy of 395 without any, 20 with two and 13 with these; it ends at 10.
 constexpr int reweightings = 4;
-/// Over its area, that of a triangle as it comes out: weights are made again by no less.
-constexpr double min_shrunk = 1e-12;
 /// Of the energy before: a reweighting that leaves more is the last.
 constexpr double enough_gained = 0.99;
-/// Of what the slope promises a step has to gain (Armijo; the usual value); with a hundred times as much none of those changes.
-constexpr double as_promised = 1e-4;
 /// Of a step, until it gains that: after so many it is rounding.
 constexpr int halvings = 40;
-/// Of the mean diagonal element of the Hessian, for the energy does not see where the whole lies and how it is turned. With a
-/// thousand times as much two of those 72 move by more than 1e-3 of the diameter.
-constexpr double free_motions = 1e-9;
-/// Of the gradient: a step of Newton's that leaves more is refined, so many times at most. Next to thin triangles the matrix has
+/// A step of Newton's that leaves more than rounding is refined, so many times at most. Next to thin triangles the matrix has
 /// lost the digits of how they move as a whole, and later steps enlarge the rounding of a step up to a million times. On meshes
 /// stretched by 1000 two refinements leave 1e-13; others need none, or one.
-constexpr double refined = 1e-14;
 constexpr int max_refinements = 4;
 /// Of what was left before: more, and it is the rounding of what is left itself.
 constexpr double still_refines = 0.5;
 /// Energy of a start from which the way to the end is long: rounding grows on it up to a million times, and stays where it is left early. To the
-/// end of such layouts the tolerance is so many times smaller, and there are so many times more steps. Of 1,658 layouts in even, bumpy and
+/// end of such layouts the tolerance is smaller, and there are so many times more steps. Of 1,658 layouts in even, bumpy and
 /// noisy meshes 2% begin with more, of 155 in known surfaces and scanned meshes none.
-constexpr double hard = 100, hard_tolerance = 1e-4;
+constexpr double hard = 100;
 constexpr int hard_iterations = 5;
 /// Of the energy before: steps that take less, of such a layout, are made with the Hessian as it is, where that is definite. Without its
 /// indefinite parts the last steps each leave a part of what was left: 120 of them end where 200 did not.
@@ -79,7 +68,7 @@ Shape shape_of(const Vec3& a, const Vec3& b, const Vec3& c, double shortest) {
     length = shortest;
     foot = std::min(foot, length);
   }
-  height = std::max(height, min_height * length);
+  height = std::max(height, tolerance::slight * length);
   Shape shape;
   shape.weight = length * height / 2;
   shape.gradient[base] = Vec2(-1 / length, (foot / length - 1) / height);
@@ -108,10 +97,10 @@ public:
       squares += (x[b] - x[a]).squaredNorm() + (x[c] - x[b]).squaredNorm() + (x[a] - x[c]).squaredNorm();
     }
     area_ = area;
-    const double whole = std::max(area, min_height * squares);
+    const double whole = std::max(area, tolerance::slight * squares);
     scale_ = whole > 0 ? std::sqrt(whole) : 1;
     for (Vec3& p : x) p /= scale_;
-    const double shortest = min_length / std::sqrt(static_cast<double>(disc.triangles.size()));
+    const double shortest = tolerance::close / std::sqrt(static_cast<double>(disc.triangles.size()));
     double weights = 0;
     for (std::size_t t = 0; t < disc.triangles.size(); ++t) {
       const auto& [a, b, c] = disc.triangles[t];
@@ -176,7 +165,7 @@ public:
       if (round > 0 && best && !(found < enough_gained * previous)) break;
       previous = found;
       for (std::size_t t = 0; t < shapes_.size(); ++t)
-        conductance[t] *= std::sqrt(std::max(std::abs(jacobian(t, uv).determinant()), min_shrunk));
+        conductance[t] *= std::sqrt(std::max(std::abs(jacobian(t, uv).determinant()), tolerance::rounding));
     }
     return best;
   }
@@ -195,7 +184,7 @@ public:
     for (int round = 0; round < max_refinements; ++round) {
       const Eigen::VectorXd left = gradient_ + times_hessian(way);
       const double size = left.norm();
-      if (size <= refined * gradient_.norm() || size > still_refines * before) break;
+      if (size <= tolerance::fit * gradient_.norm() || size > still_refines * before) break;
       before = size;
       way -= hessian_.solve(left);
     }
@@ -211,7 +200,7 @@ public:
       if (attempt == halvings) return false;
       moved = uv + length * d;
       then = energy(moved);
-      if (then < now && then <= now + as_promised * length * slope) break;
+      if (then < now && then <= now + tolerance::close * length * slope) break;
     }
     // Where the indefinite parts that were left out are large, Newton's step is too short.
     while (length >= 1 && 2 * length <= limit) {
@@ -232,7 +221,8 @@ private:
   static void hold_still(const PlanePoints& uv, PlanePoints& d) {
     d.rowwise() -= Eigen::RowVector2d(d.colwise().mean());
     const PlanePoints about = uv.rowwise() - Eigen::RowVector2d(uv.colwise().mean());
-    const double turn = (about.col(0).dot(d.col(1)) - about.col(1).dot(d.col(0))) / std::max(about.squaredNorm(), 1e-300);
+    const double turn =
+        (about.col(0).dot(d.col(1)) - about.col(1).dot(d.col(0))) / std::max(about.squaredNorm(), tolerance::tiny);
     d.col(0) += turn * about.col(1);
     d.col(1) -= turn * about.col(0);
   }
@@ -299,7 +289,7 @@ private:
     }
     double trace = 0;
     for (int v = 0; v < n_; ++v) trace += hessian_.diagonal(v)[0] + hessian_.diagonal(v)[3];
-    shift_ = free_motions * trace / (2 * n_);
+    shift_ = tolerance::solved * trace / (2 * n_);
     for (int v = 0; v < n_; ++v) {
       hessian_.diagonal(v)[0] += shift_;
       hessian_.diagonal(v)[3] += shift_;
@@ -470,7 +460,7 @@ std::optional<Parametrization> parametrize(const PointsRef& points, const std::v
   layout.energies.push_back(energy);
   const bool is_hard = energy > hard;
   const PlanePoints begun = *uv;
-  const double tolerance = is_hard ? hard_tolerance * options.tolerance : options.tolerance;
+  const double tolerance = is_hard ? tolerance::close * options.tolerance : options.tolerance;
   const int affordable = std::max(options.iterations, options.vertex_steps / disc->count);
   const int iterations = is_hard ? std::min(hard_iterations * options.iterations, affordable) : options.iterations;
   bool is_near = false;

@@ -9,6 +9,7 @@
 
 #include "tripatch/math/linear.h"
 #include "tripatch/math/parallel.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/unit_vector.h"
 
 namespace tripatch {
@@ -182,9 +183,6 @@ void VertexSafeSurface::evaluate_some(const double* b, Index n, int order, doubl
   }
 }
 
-/// A step in any barycentric coordinate after which Gauss-Newton's distance is good to its square.
-constexpr double settled = 1e-4;
-
 Eigen::VectorXd nearest(const Surface& surface, const Points& points, Points& b) {
   Eigen::VectorXd distance = Eigen::VectorXd::Constant(points.rows(), std::numeric_limits<double>::infinity());
   Points at = b;
@@ -205,7 +203,7 @@ Eigen::VectorXd nearest(const Surface& surface, const Points& points, Points& b)
       Eigen::RowVector3d moved = (at.row(k) + Eigen::RowVector3d(m0, m1, -m0 - m1)).cwiseMax(0);
       at.row(k) = moved / moved.sum();
     }
-    if (largest < settled) break;
+    if (largest < tolerance::close) break;
   }
   return distance;
 }

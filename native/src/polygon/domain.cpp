@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 #include "tripatch/types.h"
 
@@ -26,8 +27,6 @@ constexpr double widest_corner = 1.8;
 constexpr double min_length = 0.4;
 /// Of the mean length: shorter sides of a hole are drawn as long, for their parameters would crowd. A choice.
 constexpr double shortest_side = 0.25;
-/// Sine of the turn of a corner from which on a polygon that is given is convex there: what turns less has no parameters to speak of.
-constexpr double straight_corner = 1e-3;
 
 /// Lengths as near to those given (relative) as closes a polygon with these turns.
 Eigen::VectorXd closing_lengths(const std::vector<double>& turns, const std::vector<double>& lengths) {
@@ -64,7 +63,7 @@ PolygonDomain::PolygonDomain(std::vector<Vec2> corners) : corners_(std::move(cor
   }
   for (int i = 0; i < n; ++i) {
     turn_.push_back(cross(inward(i - 1), inward(i)));
-    if (!(turn_.back() > straight_corner)) throw InvalidArgument("the domain must be convex, without straight angles");
+    if (!(turn_.back() > tolerance::slight)) throw InvalidArgument("the domain must be convex, without straight angles");
     reach_.push_back({inward(i - 1).dot(corner(i + 1) - corner(i)), inward(i + 1).dot(corner(i) - corner(i + 1))});
     radius_ = std::max(radius_, (corner(i) - center_).norm());
   }
@@ -86,7 +85,7 @@ Vec2 PolygonDomain::moved_off(int i, const Vec2& p, double share) const {
     return {i == 0 ? -x : x, y};
   }
   const Vec2 off = p - corner(i), middle = (corner(i + 1) - corner(i)).normalized() + (corner(i - 1) - corner(i)).normalized();
-  return corner(i) + share * radius_ * (off.norm() > 1e-30 * radius_ ? off : middle).normalized();
+  return corner(i) + share * radius_ * (off.norm() > tolerance::tiny * radius_ ? off : middle).normalized();
 }
 
 PolygonDomain PolygonDomain::lens(double length, double height) {

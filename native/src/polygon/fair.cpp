@@ -8,6 +8,7 @@
 #include "tripatch/fairing/folds.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/patch/through.h"
 #include "tripatch/polygon/problem.h"
 
@@ -28,8 +29,8 @@ public:
       for (Index k = 0; k < n; ++k) {
         // next to corners the bubble is flat: a point there has no weights of its own
         Vec2 p(b[3 * k], b[3 * k + 1]);
-        const int corner = domain().corner_at(p, 1e-9);
-        if (corner >= 0) p = domain().moved_off(corner, p, 1e-9);
+        const int corner = domain().corner_at(p, tolerance::solved);
+        if (corner >= 0) p = domain().moved_off(corner, p, tolerance::solved);
         const Jet<N> u = Jet<N>::linear(p[0], 1, 0), v = Jet<N>::linear(p[1], 0, 1);
         const std::vector<Jet<N>> basis = interior_functions(domain(), domain().bubble(u, v), u, v, degree_);
         JetPoint<N> sum;
@@ -209,7 +210,7 @@ Index count_polygon_folds(const Surface& patch, const PolygonDomain& domain, con
   Index folds = 0;
   for (Index k = 0; k < uv.rows(); ++k) {
     const Vec2 p = uv.row(k).head<2>();
-    folds += domain.corner_at(p, 1e-6) < 0 && !(normals.row(k).dot(shown(domain, sides, p)) > 0);
+    folds += domain.corner_at(p, tolerance::same) < 0 && !(normals.row(k).dot(shown(domain, sides, p)) > 0);
   }
   for (const auto& [a, b] : edges) {
     const Vec3 p = normals.row(a), q = normals.row(b);
@@ -243,7 +244,7 @@ SurfacePtr meet_curvature(const SurfacePtr& patch, const PolygonDomain& domain, 
   std::vector<PiecewisePolynomial> fields(domain.sides());
   for (int i = 0; i < domain.sides(); ++i) {
     if (!wanted[i]) continue;
-    fields[i] = fit_between_vertices(sides[i], 1e-6, [&](std::span<const double> t, std::span<double> out) {
+    fields[i] = fit_between_vertices(sides[i], tolerance::same, [&](std::span<const double> t, std::span<double> out) {
       const std::vector<Across> across = derivatives_across(*patch, domain, i, t);
       for (std::size_t k = 0; k < t.size(); ++k) Vec3::Map(&out[3 * k]) = lacking_curvature(sides[i], t[k], across[k]);
     });

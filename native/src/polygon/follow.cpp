@@ -7,6 +7,7 @@
 
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/polygon/space.h"
 
 namespace tripatch {
@@ -53,7 +54,7 @@ SurfacePtr follow_over_polygon(const SurfacePtr& plain, const PolygonDomain& dom
       if (k % points_a_look == 0) check_interruption();
       const Jet<0> u(points.barycentric(k, 0)), v(points.barycentric(k, 1));
       const Vec2 place(u.value(), v.value());
-      if (domain.corner_at(place, 1e-6) >= 0) continue;  // side weights are 0/0 there, and nothing is added
+      if (domain.corner_at(place, tolerance::same) >= 0) continue;  // side weights are 0/0 there, and nothing is added
       const std::vector<Jet<0>> basis = polygon_basis<0>(domain, domain.place(u, v), u, v, follow_degree, follow_second_cross);
       const Vec3 up = points.normals.row(k);
       const Eigen::Matrix3d across = follow_along * Eigen::Matrix3d::Identity() + (1 - follow_along) * up * up.transpose();
@@ -62,7 +63,7 @@ SurfacePtr follow_over_polygon(const SurfacePtr& plain, const PolygonDomain& dom
       const Vec3 off = across * missing.row(k).transpose();
       right += rows.transpose() * off;
     }
-    normal.diagonal().array() += follow_least_diagonal * normal.trace() / static_cast<double>(3 * unknowns);
+    normal.diagonal().array() += tolerance::same * normal.trace() / static_cast<double>(3 * unknowns);
     const Eigen::VectorXd x = normal.selfadjointView<Eigen::Lower>().ldlt().solve(right);
     if (!x.allFinite()) return patch;
     const Points coefficients = size * Eigen::Map<const Points>(x.data(), unknowns, 3);

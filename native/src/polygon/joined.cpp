@@ -10,6 +10,7 @@
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/quadrature.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -18,8 +19,7 @@ namespace {
 /// For arc length along a piece: the speed of a cubic that doubles several times is even to 3e-11 with so many nodes, with half of them
 /// to 5e-7; of the rounds half would do.
 constexpr int length_nodes = 12, newton_rounds = 6;
-/// Where a curve ends without speed Newton's steps only halve what is left: of the length, what may be left, and the halvings behind them.
-constexpr double length_met = 1e-13;
+/// Where a curve ends without speed Newton's steps only halve what is left: the halvings behind them.
 constexpr int halvings = 50;
 /// To which a parameter is known: pieces of a side with kinks are so short that its last digit is more than that part of their length.
 constexpr double parameter_rounds = 4 * std::numeric_limits<double>::epsilon();
@@ -33,8 +33,6 @@ constexpr int speed_places = 64;  ///< where speeds are looked at; the ends are 
 /// length. Of 29 faces of CAD files, with the faces' own planes, the 18 with faster sides came 0.4 to 290 times as near by length, 3.4 times
 /// in the geometric mean; quadrangles on known surfaces between lines of their charts, which are slower, 0.9 times.
 constexpr double max_change = 0.45;
-/// Of a piece, from an end without speed, where planes are read instead: by length that is the square of it.
-constexpr double beside_still = 1e-6;
 
 std::array<double, speed_places + 1> speeds(const PiecewisePolynomial& c) {
   std::array<double, speed_places + 1> speed;
@@ -53,7 +51,7 @@ bool changes_speed(const PiecewisePolynomial& c) {
 
 /// To what, of the largest value, fields by length are met, and how often a piece is halved for that at most.
 struct Digits {
-  double position = 1e-13, across = 1e-13, bend = 1e-13;
+  double position = tolerance::fit, across = tolerance::fit, bend = tolerance::fit;
   int halved = 9, bend_halved = 9;
   bool all = true;  ///< of lengths too, however long that takes
 };
@@ -61,7 +59,9 @@ struct Digits {
 /// Sides with kinks are polynomials on pieces as short as can be, fitted to 1e-13 of what may be rounded to 1e-12; what is made of their
 /// derivatives has fewer digits (1e-10 of a plane is 1e-8 degrees), and no polynomial of length follows noise. width: of the piece; the
 /// shorter, the less often it is halved.
-Digits digits_of_kinked(double width) { return {1e-12, 1e-10, 1e-9, std::max(2, 9 + std::ilogb(width)), 2, false}; }
+Digits digits_of_kinked(double width) {
+  return {tolerance::rounding, tolerance::solved, tolerance::solved, std::max(2, 9 + std::ilogb(width)), 2, false};
+}
 
 constexpr int fit_degree = 9;  ///< of the fits: the usual one
 
@@ -82,11 +82,11 @@ public:
     double t = from_ + share * (to_ - from_);
     for (int k = 0; k < newton_rounds; ++k) {
       const double speed = side_.c.derivative_at(t).norm(), off = upto(t) - share * length_;
-      if (!digits_.all && std::abs(off) <= length_met * length_ + parameter_rounds * speed) return t;
+      if (!digits_.all && std::abs(off) <= tolerance::fit * length_ + parameter_rounds * speed) return t;
       if (!(speed > 0)) break;
       t = std::clamp(t - off / speed, from_, to_);
     }
-    return std::abs(upto(t) - share * length_) <= length_met * length_ ? t : halved(share);
+    return std::abs(upto(t) - share * length_) <= tolerance::fit * length_ ? t : halved(share);
   }
 
   PiecewisePolynomial position() const {
@@ -120,8 +120,8 @@ private:
   }
   /// t, or next to it where the curve stands still at an end.
   double moving(double t) const {
-    if (side_.c.derivative_at(t).norm() > beside_still * length_) return t;
-    const double beside = beside_still * (to_ - from_);
+    if (side_.c.derivative_at(t).norm() > tolerance::same * length_) return t;
+    const double beside = tolerance::same * (to_ - from_);
     return std::clamp(t, from_ + beside, to_ - beside);
   }
 

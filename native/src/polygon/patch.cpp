@@ -7,6 +7,7 @@
 #include "tripatch/boundary/smoothed.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/lru_cache.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/patch/seam.h"
 #include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/of_three.h"
@@ -107,9 +108,9 @@ void measure_seam(const SideList& given, PolygonPatch& made) {
     const int before = (i + n - 1) % n;
     made.corner_planes_angle.push_back(degrees_between(given[before].normal(1), given[i].normal(0)));
     made.corner_normals_spread.push_back(
-        normals_spread(*made.patch, places(before, {1 - around_corner}).row(0), places(i, {around_corner}).row(0)));
-    const double first = made.corner_mismatch_deg[i] <= same_plane ? 0 : beside_corner,
-                 last = made.corner_mismatch_deg[(i + 1) % n] <= same_plane ? 1 : 1 - beside_corner;
+        normals_spread(*made.patch, places(before, {1 - tolerance::same}).row(0), places(i, {tolerance::same}).row(0)));
+    const double first = made.corner_mismatch_deg[i] <= tolerance::same ? 0 : beside_corner,
+                 last = made.corner_mismatch_deg[(i + 1) % n] <= tolerance::same ? 1 : 1 - beside_corner;
     std::vector<double> t;
     Points points(seam_samples, 3), normals(seam_samples, 3);
     for (int k = 0; k < seam_samples; ++k) {
@@ -127,7 +128,6 @@ void measure_seam(const SideList& given, PolygonPatch& made) {
 /// Where the patch comes nearest to a point: Gauss-Newton from the nearest place of a grid, kept off the border.
 Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3& point) {
   constexpr double min_share = 0.02;  // of the radius, from each side: what is added vanishes there
-  constexpr double min_step = 1e-3;   // of a Newton step: where less of it stays inside, the place is at the border
   const Points grid = polygon_grid(domain, 12);
   const Points at = patch.positions(grid);
   Index best = 0;
@@ -142,8 +142,8 @@ Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3
     const Vec2 move = foot_at(patch, place, point).step;
     if (!move.allFinite()) break;
     double share = 1;
-    while (share > min_step && !inside(place + share * move)) share /= 2;
-    if (share <= min_step) break;
+    while (share > tolerance::slight && !inside(place + share * move)) share /= 2;
+    if (share <= tolerance::slight) break;
     place += share * move;
   }
   while (!inside(place)) place += 0.1 * (domain.center() - place);

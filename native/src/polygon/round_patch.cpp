@@ -6,6 +6,7 @@
 #include "tripatch/fairing/candidates.h"
 #include "tripatch/fairing/folds.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 #include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/round_problem.h"
@@ -20,13 +21,6 @@ constexpr int measured_waves = 12;
 constexpr int round_seam_samples = 200, round_fold_rings = 16, round_fold_angles = 64;
 constexpr int energy_nodes_round =
     8;  ///< along the radius; with half as many the energy over an uneven rim is 1% off, twice as many change 1e-6
-/// Surroundings that are of revolution to this share of the size get a fill that is: a descent along a flat valley would enlarge what
-/// rounding and the mesh have left of unevenness a thousand times.
-constexpr double revolved_within = 1e-6;
-/// The same of slopes, up to this share, which is 0.01 degrees. A mesh does not determine them better if the number of edges and
-/// the places of the corners that it is read with have little in common (cones of 33 to 35 edges: 4e-5). The seam keeps what they
-/// are.
-constexpr double slopes_revolved_within = 1e-4;
 
 double rim_diameter(const PiecewisePolynomial& c) {
   std::vector<Vec3> points;
@@ -87,7 +81,7 @@ std::optional<Eigen::Matrix3d> axis_of(const RoundBase& base) {
   of_revolution(other, frame);
   other[0].row(0) = curve.row(0);
   for (std::size_t j = 0; j < other.size(); ++j)
-    if (!((other[j] - base.terms[j]).norm() <= (j == 0 ? revolved_within : slopes_revolved_within) * base.size)) return {};
+    if (!((other[j] - base.terms[j]).norm() <= (j == 0 ? tolerance::same : tolerance::close) * base.size)) return {};
   return frame;
 }
 

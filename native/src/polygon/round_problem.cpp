@@ -88,7 +88,7 @@ double value_of(const PiecewisePolynomial& scalar, double t) {
 std::array<Harmonic, 2> slope_terms(const PiecewisePolynomial& wave, const PiecewisePolynomial& direction, Index rows) {
   const Harmonic field =
       fourier([&](double t) { return Vec3(value_of(wave, t) * direction(t)); }, static_cast<int>(rows - 1) / 2);
-  std::array<Harmonic, 2> terms = {-0.5 * field, -0.125 * field};
+  std::array<Harmonic, 2> terms = {-0.5 * field, -1.0 / 8 * field};
   for (Index k = 1; 2 * k < rows; ++k) terms[1].middleRows(2 * k - 1, 2) *= 1.0 + 2.0 * static_cast<double>(k);
   return terms;
 }

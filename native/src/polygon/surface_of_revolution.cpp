@@ -14,6 +14,7 @@
 #include "tripatch/math/linear.h"
 #include "tripatch/math/quadrature.h"
 #include "tripatch/math/smoothstep.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
@@ -33,12 +34,8 @@ constexpr double max_unknown = 0.05, max_unknown_of_bend = 0.2;
 /// shallow cap is a sphere's, which has no variation at all, and funnels' caps below -35 degrees jump from one valley to another.
 constexpr double jump_share = 0.3;
 constexpr double difference_step = 1e-5;  ///< of unknowns, over the radius: residuals are smooth, and exact to 1e-10 so
-/// Descent ends at an energy of none, after this many steps, or with a step that gains less. A hundred times the energy leaves
-/// caps of spheres 1e-7 of the radius off, this 7e-8. 30 steps do on spheres, to 2e-8. A hundred times the gain changes no cap by
-/// 1e-9.
-constexpr double energy_of_none = 1e-10;
+/// Of descent, which ends before where no energy is left or gained: on spheres after 30.
 constexpr int max_profile_steps = 100;
-constexpr double last_profile_gain = 1e-9;
 
 using Monomials = std::vector<double>;
 
@@ -182,11 +179,12 @@ Profile::Value Profile::at(const Eigen::VectorXd& y) const {
 }
 
 void Profile::weigh(Value& v) const {
-  const double ratio = quadric_counts_ * quadric_ratio * v.squares[0] / std::max(v.squares[1], no_energy);
+  const double ratio = quadric_counts_ * quadric_ratio * v.squares[0] / std::max(v.squares[1], tolerance::tiny);
   v.share = 1 - 1 / (1 + std::pow(ratio, 4));
   v.energy = v.squares[0] / std::pow(1 + std::pow(ratio, 4), 0.25);
-  v.log = std::log(std::max(v.energy, no_energy)) + parameterization_counts * std::log(std::max(v.squares[3], no_energy)) +
-          first_counts * std::log(std::max(v.squares[4], no_energy)) + v.squares[2];
+  v.log = std::log(std::max(v.energy, tolerance::tiny)) +
+          parameterization_counts * std::log(std::max(v.squares[3], tolerance::tiny)) +
+          first_counts * std::log(std::max(v.squares[4], tolerance::tiny)) + v.squares[2];
 }
 
 /// Gauss-Newton's, the logarithms' parts weighed by their values where the step leads, as Merit::step.
@@ -204,7 +202,8 @@ Eigen::VectorXd Profile::step(const Eigen::VectorXd& y, const Value& v, double d
   for (int round = 0; round < 4; ++round) {
     Value there = v;
     for (int p : {0, 1, 3, 4})
-      there.squares[p] = std::max({(v.parts[p] + slopes[p] * change).squaredNorm(), min_left * v.squares[p], no_energy});
+      there.squares[p] =
+          std::max({(v.parts[p] + slopes[p] * change).squaredNorm(), tolerance::slight * v.squares[p], tolerance::tiny});
     weigh(there);
     const std::array<double, 5> weight = {(1 - there.share) / there.squares[0], there.share / there.squares[1], 1,
                                           parameterization_counts / there.squares[3], first_counts / there.squares[4]};
@@ -216,7 +215,7 @@ Eigen::VectorXd Profile::step(const Eigen::VectorXd& y, const Value& v, double d
       normal += weight[p] * squares;
       gradient += weight[p] * down;
     }
-    normal.diagonal() += damping * normal.diagonal() + 1e-14 * normal.trace() * Eigen::VectorXd::Ones(profile_unknowns);
+    normal.diagonal() += damping * normal.diagonal() + tolerance::fit * normal.trace() * Eigen::VectorXd::Ones(profile_unknowns);
     change = constrained_quadratic_minimum(normal, gradient, Eigen::MatrixXd(0, profile_unknowns));
     if (!change.allFinite()) break;
   }
@@ -246,8 +245,8 @@ std::optional<std::vector<Harmonic>> fairest_of_revolution(const RoundBase& base
   Eigen::VectorXd y = Eigen::VectorXd::Zero(profile_unknowns);
   Profile::Value value = profile.at(y);
   if (!std::isfinite(value.log)) return {};
-  double damping = 1e-3;
-  for (int step = 0; step < max_profile_steps && value.energy > energy_of_none; ++step) {
+  double damping = tolerance::slight;
+  for (int step = 0; step < max_profile_steps && value.energy > tolerance::rounding; ++step) {
     double gain = 0;
     for (int attempt = 0; attempt < 10 && gain == 0; ++attempt) {
       const Eigen::VectorXd change = profile.step(y, value, damping);
@@ -256,12 +255,12 @@ std::optional<std::vector<Harmonic>> fairest_of_revolution(const RoundBase& base
         gain = value.log - next.log;
         y += change;
         value = next;
-        damping = std::max(damping / 10, 1e-10);
+        damping = std::max(damping / 10, tolerance::solved);
       } else {
         damping *= 10;
       }
     }
-    if (gain < last_profile_gain) break;
+    if (gain < tolerance::solved) break;
   }
   return sum_of(base.terms, profile.terms(y, base, frame));
 }

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "tripatch/math/lru_cache.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/quads/quad_builder.h"
 #include "tripatch/quads/row_widths.h"
@@ -85,7 +86,7 @@ double coarse_cost(const std::array<Vec2, 4>& p) {
     cost += 0.5 * (sizes > 0 ? cost_of_sine((a[0] * b[1] - a[1] * b[0]) / sizes) : flat_angle_cost);
   }
   for (int k = 0; k < 2; ++k) {
-    const double ratio = std::log((length[k] + 1e-300) / (length[k + 2] + 1e-300));
+    const double ratio = std::log((length[k] + tolerance::tiny) / (length[k + 2] + tolerance::tiny));
     cost += 0.5 * std::min(ratio * ratio, flat_angle_cost);
   }
   return cost;

@@ -8,6 +8,7 @@
 
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/simd.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/quads/corner_costs.h"
 #include "tripatch/quads/row_widths.h"
 
@@ -21,14 +22,12 @@ using namespace corner_costs;
 /// Of the shortest edge at a vertex: no step is longer, beyond it the surface's second order says little (0 with half).
 constexpr double longest_step = 0.4;
 /// Of the larger eigenvalue of a Hessian: where the smaller one is less it becomes that share (0 with a tenth, 0 with half).
-constexpr double min_convex = 1e-3, made_convex = 0.1;
+constexpr double made_convex = 0.1;
 constexpr int halvings = 6;  ///< of a Newton step that makes things worse, before it is left out (0 with three)
 /// Between two evaluations of the surface, whose second order is good for small moves (5e-5 with two).
 constexpr int sweeps_a_metric = 5;
 /// Of the shortest edge at a vertex: one that is no farther from where the surface was evaluated is not evaluated again.
 constexpr double near_enough = 0.05;
-/// Of a mean corner's area: below it a corner counts as turned over and is pulled back by a smooth bound of that size (0 with a tenth).
-constexpr double min_area = 1e-3;
 
 /// As sweeps of a cover, but of what is only compared: half of them take the same layouts of four to six sides of a saddle.
 constexpr int sweeps_of_trials = 4, angles_of_trials = 5;
@@ -108,7 +107,7 @@ public:
       if (sweep % sweeps_a_metric == 0) read_surface();
       bound_ = 0;
       for (const Corner& corner : corners_)
-        if (area(corner) < min_area) bound_ = min_area;
+        if (area(corner) < tolerance::slight) bound_ = tolerance::slight;
       sharp_ = sharp && bound_ == 0;
       for (Index v = layout_.rim; v < state_.uv.rows(); ++v)
         if (!held_[v]) move(v);
@@ -404,7 +403,7 @@ private:
     hessian << 2 * sum.uu, sum.uv, sum.uv, 2 * sum.vv;
     // made positive: a saddle's step would lead uphill
     const double mean = 0.5 * hessian.trace(), spread = Vec2(0.5 * (hessian(0, 0) - hessian(1, 1)), hessian(0, 1)).norm();
-    if (!(mean - spread > min_convex * (std::abs(mean) + spread)))
+    if (!(mean - spread > tolerance::slight * (std::abs(mean) + spread)))
       hessian.diagonal().array() += spread - mean + made_convex * (std::abs(mean) + spread);
     Eigen::Vector2d step = -hessian.inverse() * gradient;
     if (!step.allFinite()) return;

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/report/one_to_one.h"
 
@@ -135,7 +136,7 @@ private:
     int common = 0;
     for (Index v : s.corner) common += std::find(t.corner.begin(), t.corner.end(), v) != t.corner.end();
     if (common > 1) return;
-    const double least = touching * std::max(s.longest, t.longest);
+    const double least = tolerance::same * std::max(s.longest, t.longest);
     if (!is_on_both_sides(s, t, least) || !is_on_both_sides(t, s, least)) return;
     for (int k = 0; k < 3; ++k) {
       if (const std::optional<Crossing> found = passed(s, k, t, least)) found_.push_back(*found);

@@ -10,6 +10,7 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/parallel.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/math/unit_vector.h"
 #include "tripatch/mesh/vertex_normals.h"
@@ -24,8 +25,6 @@ namespace {
 constexpr double turned_degrees = 100;
 /// Of the areas of faces: so long is their vector area where they tell a side. A bound: of two halves at a right angle it is .7.
 constexpr double agree = 0.5;
-/// Sine of an angle to a plane, of what counts as in it: single precision leaves 1e-7. A choice.
-constexpr double in_plane = 1e-5;
 
 /// use(its corners) for each triangle of faces that are cut into fans.
 template <class Use>
@@ -133,7 +132,7 @@ bool is_of_convex_body(const Mesh& mesh, const Connectivity& around, Index face)
     return std::ranges::all_of(vertices, [&](Index v) {
       if (std::ranges::find(around.faces()[f], v) != around.faces()[f].end()) return true;
       const Vec3 to = Vec3(mesh.vertices.row(v)) - on;
-      return to.dot(normal) < -in_plane * to.norm();
+      return to.dot(normal) < -tolerance::same * to.norm();
     });
   });
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tripatch/math/parallel.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
@@ -42,7 +43,7 @@ struct SeenEdge {
 /// Whether the edges of a closed polygon surely meet at their common ends only.
 bool is_surely_simple(const std::vector<Eigen::Vector2d>& polygon, double size) {
   const std::size_t n = polygon.size();
-  const double apart = surely_apart * size;
+  const double apart = tolerance::rounding * size;
   std::vector<SeenEdge> edges;
   edges.reserve(n);
   for (std::size_t k = 0; k < n; ++k) {
@@ -98,7 +99,7 @@ bool surely_one_to_one(const PointsRef& vertices, const PointsRef& added, const 
     Vec3 last = at(face[1]) - first;
     for (std::size_t k = 2; k < face.size(); ++k) {
       const Vec3 next = at(face[k]) - first;
-      if (!(last.cross(next).dot(way) > surely_seen * (last.squaredNorm() + next.squaredNorm()))) return false;
+      if (!(last.cross(next).dot(way) > tolerance::same * (last.squaredNorm() + next.squaredNorm()))) return false;
       last = next;
     }
     return true;

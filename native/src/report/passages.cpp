@@ -7,6 +7,7 @@
 #include "tripatch/cage/limit_mesh.h"
 #include "tripatch/math/box_tree.h"
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/report/crossings.h"
 
 namespace tripatch {
@@ -35,7 +36,7 @@ std::optional<FlatTriangle> flat_triangle(const Corners& p, Index fill) {
 
 /// Where an edge of one of two triangles goes through the other.
 std::optional<Vec3> place_through(const FlatTriangle& a, const FlatTriangle& b) {
-  const double least = touching * std::max(a.longest, b.longest);
+  const double least = tolerance::same * std::max(a.longest, b.longest);
   for (int k = 0; k < 3; ++k) {
     if (const auto where = passage(a.p[k], a.p[(k + 1) % 3], b.p, b.normal, least)) return where;
     if (const auto where = passage(b.p[k], b.p[(k + 1) % 3], a.p, a.normal, least)) return where;

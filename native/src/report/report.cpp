@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tripatch/math/angle.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/patch/seam.h"
 #include "tripatch/report/crossings.h"
@@ -111,14 +112,14 @@ void measure(const Surface& patch, const AlongSide& side, Report& report, int sa
     const int before = (k + 1) % 3, after = (k + 2) % 3;
     report.corner_planes_angle.push_back(
         degrees_between(side(before, std::vector<double>{1}).second.row(0), side(after, std::vector<double>{0}).second.row(0)));
-    report.corner_normals_spread.push_back(
-        normals_spread(patch, places_on_side(before, {1 - around_corner}).row(0), places_on_side(after, {around_corner}).row(0)));
+    report.corner_normals_spread.push_back(normals_spread(patch, places_on_side(before, {1 - tolerance::same}).row(0),
+                                                          places_on_side(after, {tolerance::same}).row(0)));
   }
   double sum = 0;
   Index count = 0;
   report.seam_angle_max = report.boundary_gap = 0;
   for (int i = 0; i < 3; ++i) {
-    const auto is_clear = [&](int k) { return report.corner_planes_angle[k % 3] <= same_plane; };
+    const auto is_clear = [&](int k) { return report.corner_planes_angle[k % 3] <= tolerance::same; };
     const double first = is_clear(i + 1) ? 0 : beside_corner, last = is_clear(i + 2) ? 1 : 1 - beside_corner;
     std::vector<double> t;
     for (int k = 0; k < samples; ++k) t.push_back(samples > 1 ? first + (last - first) * k / (samples - 1) : 0.5);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
@@ -32,7 +33,7 @@ std::vector<Index> rows_of_difference(Index all) {
 std::shared_ptr<const PolyharmonicSpline> field_of_difference(const PlanePoints& places, const Points& difference, double unit) {
   FieldOptions fields;
   fields.orders = {order_of_difference};
-  fields.unit = std::max(unit, 1e-300);
+  fields.unit = std::max(unit, tolerance::tiny);
   try {
     return std::make_shared<PolyharmonicSpline>(places, difference, fields);
   } catch (const InvalidArgument&) {
@@ -66,7 +67,7 @@ bool take_second(const PlaneRim& rim, const SecondModel& second, double share, A
 }
 
 void average_models(const Disc& disc, const PlaneRim& rim, Attempt& result) {
-  const double share = share_of_second({result.field->noise() / std::max(rim.edge, 1e-300), result.field->roughness(),
+  const double share = share_of_second({result.field->noise() / std::max(rim.edge, tolerance::tiny), result.field->roughness(),
                                         details_in(result), result.field->mean_order(), result.fed_back > 0});
   const Index r = disc.rim, added = result.made.points.rows() - r;
   if (share < min_share_of_second || added == 0 || r > long_rim || disc.triangles.empty() || result.met) return;

@@ -8,6 +8,7 @@
 
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
@@ -24,12 +25,6 @@ constexpr double min_bend = 0.2;
 constexpr double farthest_bent = 30;
 /// Of the plane's extent: no step is longer, for the polynomial is known no farther around.
 constexpr double longest_step = 0.1;
-/// Of the squares of two tangents, by their determinant: less, and they are one line to rounding, and a sample stays where it is.
-constexpr double one_line_of_tangents = 1e-12;
-/// Of the plane's extent: a step that is shorter is rounding, and the last.
-constexpr double last_step = 1e-14;
-/// Of the plane's extent: a strip that is narrower is a line.
-constexpr double narrowest = 1e-9;
 
 int size_of(int degree) { return (degree + 1) * (degree + 2) / 2; }
 
@@ -40,10 +35,10 @@ BaseSurface::BaseSurface(const PlanePoints& points, const Points& samples, int d
   while (degree_ > 1 && size_of(degree_) > points.rows() / 3) --degree_;
   middle_ = points.colwise().mean();
   const PlanePoints about = points.rowwise() - middle_;
-  size_ = std::max(about.cwiseAbs().maxCoeff(), 1e-300);
+  size_ = std::max(about.cwiseAbs().maxCoeff(), tolerance::tiny);
   const PlanePoints within = about / size_;
   Eigen::Matrix2d spread = within.transpose() * within / static_cast<double>(points.rows());
-  spread.diagonal().array() += narrowest * narrowest;
+  spread.diagonal().array() += tolerance::solved * tolerance::solved;
   const Eigen::Matrix2d root = cholesky_root(spread);
   to_unit_ = root.triangularView<Eigen::Lower>().solve(Eigen::Matrix2d::Identity()) / size_;
   to_unit_ /= (about * to_unit_.transpose()).cwiseAbs().maxCoeff();
@@ -109,7 +104,7 @@ PlanePoints BaseSurface::foot_points(PlanePoints points, const Points& samples) 
       const Jet2 jet = jet_at(points.row(k));
       const Eigen::Matrix<double, 2, 3> tangents = jet.middleRows<2>(1);
       const Eigen::Matrix2d gram = tangents * tangents.transpose();
-      if (!(gram.determinant() > one_line_of_tangents * gram.squaredNorm())) break;
+      if (!(gram.determinant() > tolerance::rounding * gram.squaredNorm())) break;
       const Eigen::Vector3d off = (samples.row(k) - jet.row(0)).transpose();
       Eigen::Matrix2d bend;
       const Eigen::Vector3d second = jet.bottomRows<3>() * off;
@@ -128,7 +123,7 @@ PlanePoints BaseSurface::foot_points(PlanePoints points, const Points& samples) 
       Eigen::Vector2d move = lower.transpose().solve(wanted);
       if (move.norm() > longest) move *= longest / move.norm();
       points.row(k) += move.transpose();
-      if (move.norm() < last_step * size_) break;
+      if (move.norm() < tolerance::fit * size_) break;
     }
   }
   return points;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/mesh/decimated.h"
 #include "tripatch/spline/completed_fill.h"
 #include "tripatch/spline/field_around.h"
@@ -19,9 +20,6 @@ constexpr double edges_of_circle = 200, max_edges_of_circle = 350, min_rows = 3;
 /// Surroundings that reach less far than this share of such an edge say too little then: of those caps with 5,000 edges, of which ten of
 /// them are seen, one is four times farther off than seen from above.
 constexpr double min_width = 0.75;
-/// Below this share of such an edge there is no noise to average: then the field meets its samples. Fitted to more than it can meet caps of
-/// a ball are up to 180 times farther off.
-constexpr double met_noise = 1e-3;
 /// Of a field fitted to more: with 600 and 200 caps and waves are as far off, with 100 some are farther.
 constexpr Index max_centers = 300;
 
@@ -131,7 +129,7 @@ std::optional<PlaneFill> on_coarser_rim(const Mesh& mesh, const Connectivity& ar
   const PlaneFill from = fill_over_plane(coarse, Connectivity(coarse), hole.loops, own);
   if (!from.field || from.plainer) return {};
   const PlanePoints rim_uv = closest_points(*from.surface, rim.points, between_known(rim, hole.rows, from.rim_uv));
-  const bool is_met = from.field->noise() < met_noise * length;
+  const bool is_met = from.field->noise() < tolerance::slight * length;
   const std::vector<Index> centers = spread_samples(disc, hole, length, is_met ? max_samples : max_centers);
   const std::vector<Index> rows = is_met ? centers : fitted_rows(disc, centers);
   const PlanePoints places = places_on(*from.surface, rim_uv, disc, rows);

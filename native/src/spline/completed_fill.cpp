@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/spline/averaged_models.h"
 
 namespace tripatch {
@@ -21,7 +22,7 @@ PlanePoints inside_rim(const Attempt& result, const PlaneRim& rim) {
   const Eigen::RowVector2d middle = result.rim_uv.colwise().mean();
   for (Index k = 0; k < inside.rows(); ++k) {
     const Eigen::RowVector2d way = middle - inside.row(k);
-    inside.row(k) += way * std::min(1.0, rim.edge / std::max(way.norm(), 1e-300));
+    inside.row(k) += way * std::min(1.0, rim.edge / std::max(way.norm(), tolerance::tiny));
   }
   return inside;
 }
@@ -62,7 +63,7 @@ PlaneFill completed(const Attempt& result, const PlaneRim& rim, const Disc& disc
   const Eigen::VectorXd spread = result.second ? spread_of_models(result) : result.spread;
   if (spread.size() > 0) fill.deviation = (fill.deviation.cwiseAbs2() + spread).cwiseSqrt();
   fill.fed_back = result.fed_back;
-  fill.surroundings_error = std::atan(near_rim / std::max(rim.edge, 1e-300)) * 180 / std::numbers::pi;
+  fill.surroundings_error = std::atan(near_rim / std::max(rim.edge, tolerance::tiny)) * 180 / std::numbers::pi;
   fill.folds = count_folded_edges(result.made.points, fill.triangles, rim.beyond);
   fill.rim_folds = rim.own_folds + static_cast<Index>(rim.flipped.size());
   fill.rings = disc.rings;

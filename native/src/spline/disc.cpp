@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/triangulation/plane_triangles.h"
@@ -19,10 +20,6 @@ namespace {
 constexpr double min_border = 0.7;
 /// Rings that are taken whatever their border: their slope is what a fill has to continue.
 constexpr int min_rings = 2;
-
-/// Relative, of squared distances over others: samples that are as far from those taken are taken in their order. More than a tie: a million
-/// sizes from the origin distances across a mesh that is stretched by 1000 are rounded by 1e-7 of themselves.
-constexpr double as_far = 1e-5;
 
 class Growth {
 public:
@@ -254,7 +251,7 @@ std::vector<Index> spread_samples(const Disc& disc, double edge, Index more, Ind
     Index best = -1;
     double most = none;
     for (Index k = 0; k < n; ++k)
-      if (gap[k] != none && value[k] > most + as_far * std::abs(most)) most = value[k], best = k;
+      if (gap[k] != none && value[k] > most + tolerance::same * std::abs(most)) most = value[k], best = k;
     if (best < 0) break;
     taken.push_back(best);
     gap[best] = none;

@@ -5,13 +5,13 @@
 #include <utility>
 
 #include "tripatch/math/linear.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
 
-/// Gauss-Newton's, to feet on a surface: they move by this share of its domain at most, and end with a billionth of that.
-constexpr int steps_to_feet = 12;
-constexpr double longest_step_to_feet = 0.02, last_step_to_feet = 1e-9;
+/// Gauss-Newton's, to feet on a surface: they move by this share of its domain at most.
+constexpr double longest_step_to_feet = 0.02;
 /// Vertices that a field is fitted to next to its centers: the time grows with their number, noise is averaged over them.
 constexpr Index max_fitted = 4000;
 
@@ -38,14 +38,14 @@ PlanePoints closest_points(const Surface& surface, const Points& points, PlanePo
   const double longest = longest_step_to_feet * (uv.colwise().maxCoeff() - uv.colwise().minCoeff()).maxCoeff();
   std::vector<double> jets(static_cast<std::size_t>(9 * uv.rows()));
   double most = longest;
-  for (int step = 0; step < steps_to_feet && most > last_step_to_feet * longest; ++step) {
+  for (int step = 0; step < tolerance::newton_steps && most > tolerance::solved * longest; ++step) {
     surface.evaluate(as_rows(uv).data(), uv.rows(), 1, jets.data());
     most = 0;
     for (Index k = 0; k < uv.rows(); ++k) {
       const double* jet = &jets[static_cast<std::size_t>(9 * k)];
       Vec2 way = in_frame(Vec3::Map(jet + 3), Vec3::Map(jet + 6), Vec3(points.row(k)) - Vec3::Map(jet));
       if (!way.allFinite()) continue;
-      way *= std::min(1.0, longest / std::max(way.norm(), 1e-300));
+      way *= std::min(1.0, longest / std::max(way.norm(), tolerance::tiny));
       uv.row(k) += way;
       most = std::max(most, way.norm());
     }
@@ -71,7 +71,7 @@ PlanePoints places_on(const Surface& surface, const PlanePoints& rim_uv, const D
 std::shared_ptr<const PolyharmonicSpline> field_through(const Points& points, const PlanePoints& uv, Index centers, double edge) {
   if (!uv.allFinite()) return {};
   FieldOptions fields;
-  fields.unit = std::max(edge, 1e-300);
+  fields.unit = std::max(edge, tolerance::tiny);
   fields.centers = centers;
   try {
     return std::make_shared<PolyharmonicSpline>(uv, points, fields);

@@ -5,6 +5,7 @@
 #include <ranges>
 
 #include "tripatch/math/decompositions.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -20,14 +21,6 @@ constexpr double sign = -1;  // with which it is definite
 constexpr Index max_of_rim = 200;
 /// Share of the domain's size that places keep from its border, where nothing is added.
 constexpr double min_margin = 0.02;
-/// Places nearer than this share of the domain's size are one.
-constexpr double one_place = 1e-6;
-/// The rim is met but for this share of its weights: vertices may lie in one place.
-constexpr double rounding = 1e-12;
-/// Distance, normalised, at which derivatives are taken that have no limit at a place.
-constexpr double off_place = 1e-7;
-constexpr int max_steps = 30;
-constexpr double min_step = 1e-3;
 
 /// Monomials up to degree 2, or their derivatives by one coordinate.
 MatrixXd monomials(const PlanePoints& c, int axis) {
@@ -67,7 +60,7 @@ public:
     });
     return inside && std::all_of(border_.begin(), border_.end(), [&](const std::array<Index, 2>& e) {
              const Eigen::RowVector2d way = uv_.row(e[1]) - uv_.row(e[0]), from = p - uv_.row(e[0]);
-             const double t = std::clamp(from.dot(way) / std::max(way.squaredNorm(), 1e-300), 0.0, 1.0);
+             const double t = std::clamp(from.dot(way) / std::max(way.squaredNorm(), tolerance::tiny), 0.0, 1.0);
              return (from - t * way).norm() > min_margin * size_;
            });
   }
@@ -105,16 +98,16 @@ PlanePoints nearest_places(const Surface& surface, const PlanePoints& uv, const 
     (known.rowwise() - point.transpose()).rowwise().squaredNorm().minCoeff(&nearest);
     Vec2 place = starts.row(nearest);
     Foot foot = foot_at(surface, place, point);
-    for (int step = 0; step < max_steps && foot.step.allFinite(); ++step) {
+    for (int step = 0; step < tolerance::newton_steps && foot.step.allFinite(); ++step) {
       const Foot from = foot;
       // far from a surface that bends away Gauss-Newton goes too far
       double share = 1;
-      for (; share > min_step; share /= 2) {
+      for (; share > tolerance::slight; share /= 2) {
         if (!domain.has(place + share * from.step)) continue;
         foot = foot_at(surface, place + share * from.step, point);
         if (foot.off.squaredNorm() < from.off.squaredNorm()) break;
       }
-      if (share <= min_step) break;
+      if (share <= tolerance::slight) break;
       place += share * from.step;
     }
     places.row(k) = place;
@@ -134,13 +127,13 @@ HermiteCorrection::HermiteCorrection(const Surface& surface, const PlanePoints& 
   const PlanePoints kept = rim(of_rim, Eigen::all);
   const Index n = kept.rows();
   middle_ = kept.colwise().mean();
-  size_ = std::max((kept.rowwise() - middle_).cwiseAbs().maxCoeff(), 1e-300);
+  size_ = std::max((kept.rowwise() - middle_).cwiseAbs().maxCoeff(), tolerance::tiny);
   values_.resize(n + met_, 2);
   values_ << normalised(kept), normalised(places);
   for (Index i = 0; i < met_; ++i) {
     if (points[i].normal) held.push_back(i);
     for (Index j = 0; j < i; ++j)
-      if ((values_.row(n + i) - values_.row(n + j)).norm() < one_place)
+      if ((values_.row(n + i) - values_.row(n + j)).norm() < tolerance::same)
         throw CodedRefusal(Code::points_over_one_place, {{"first", j}, {"second", i}});
   }
   held_ = static_cast<Index>(held.size());
@@ -215,8 +208,8 @@ MatrixXd HermiteCorrection::conditions() const {
   all.topRows(n) = basis(values_);
   for (int axis = 0; axis < 2; ++axis) all.middleRows(n + axis * m, m) = basis(slopes_, axis);
   all.bottomLeftCorner(free, n + 2 * m) = all.topRightCorner(n + 2 * m, free).transpose();
-  all.diagonal().head(n - met_).array() += rounding;
-  for (int axis = 0; axis < 2; ++axis) all.diagonal().segment(n + axis * m, m - held_).array() += rounding;
+  all.diagonal().head(n - met_).array() += tolerance::rounding;
+  for (int axis = 0; axis < 2; ++axis) all.diagonal().segment(n + axis * m, m - held_).array() += tolerance::rounding;
   return all;
 }
 
@@ -240,7 +233,7 @@ void HermiteCorrection::jets(const double* b, Index n, double* out) const {
     };
     const auto from = [&](const Eigen::RowVector2d& center) {
       Eigen::RowVector2d way = at - center;
-      if (way.cwiseAbs().sum() < off_place) way[0] = off_place;
+      if (way.cwiseAbs().sum() < tolerance::same) way[0] = tolerance::same;
       return std::array<Jet<N>, 2>{Jet<N>::linear(way[0], step, 0), Jet<N>::linear(way[1], 0, step)};
     };
     for (Index j = 0; j < values; ++j) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/output/domain_mesh.h"
 #include "tripatch/spline/averaged_models.h"
 #include "tripatch/spline/minimize_bending.h"
@@ -20,7 +21,7 @@ constexpr double more_area = 1.4, more_triangles = 2;
 /// Of triangles as fine as the rim, by the few.
 MostTriangles max_triangles_on(const Attempt& few, double edge) {
   const double area = area_of(few.made.points, few.made.triangles), asked = area / (area_of_triangle * edge * edge);
-  return {static_cast<std::size_t>(std::min(more_triangles * asked, 1e9)), more_area * area};
+  return {static_cast<std::size_t>(std::min(more_triangles * asked, 1 / tolerance::solved)), more_area * area};
 }
 
 /// Orders of a second model, and whether it keeps the planes next to the rim.
@@ -55,7 +56,7 @@ bool refine(const PlaneRim& rim, std::optional<int> resolution, Attempt& result)
   if (result.made.unfinished || !result.made.points.allFinite() || !stays_near(result.made.points, rim)) return false;
   result.on_field = result.made.points;
   const PlanePoints inside = result.made.uv.bottomRows(result.made.uv.rows() - r);
-  if (result.second) result.spread = carried(spread, places, std::max(rim.edge, 1e-300), inside);
+  if (result.second) result.spread = carried(spread, places, std::max(rim.edge, tolerance::tiny), inside);
   result.second.reset();
   return !result.made.doubles_edges || rim.doubles_edges;
 }

@@ -10,6 +10,7 @@
 
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/dense_kernels.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
@@ -19,7 +20,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 /// The largest cotangent, of half a degree: triangles whose area says more are taken for that much thicker, all three of their angles, so
 /// that the energy of each is positive. Areas of vertices are no less than this share of the mean triangle's. Else they come of triangles
 /// that are all but an edge.
-constexpr double steepest = 100, min_area = 1e-3;
+constexpr double steepest = 100;
 /// Areas of vertices where a fill meets its surroundings, over those of the fill's triangles alone: the planes of these surroundings are
 /// those of single triangles. With 1 cages that end at wide bevels continue as those leave, with 2 at narrow ones; 1.3 to 2 leave 60 rough
 /// holes equally near to what was there, with 3 they are 2% farther.
@@ -34,7 +35,7 @@ Laplacian cotangent_laplacian(const Points& points, const std::vector<std::array
     const Vec3 p[3] = {points.row(t[0]), points.row(t[1]), points.row(t[2])};
     const double twice = (p[1] - p[0]).cross(p[2] - p[0]).norm();
     const double longest = std::max({(p[1] - p[0]).squaredNorm(), (p[2] - p[1]).squaredNorm(), (p[0] - p[2]).squaredNorm()});
-    const double thick = std::max({twice, longest / steepest, 1e-300});
+    const double thick = std::max({twice, longest / steepest, tolerance::tiny});
     for (int k = 0; k < 3; ++k) {
       const Vec3 u = p[(k + 1) % 3] - p[k], v = p[(k + 2) % 3] - p[k];
       const double cotangent = u.dot(v) / thick / 2;
@@ -66,9 +67,9 @@ public:
       : first_(first), count_(count), areas_(points.rows()) {
     const Laplacian own = cotangent_laplacian(points, triangles), beyond = cotangent_laplacian(points, around);
     const Sparse stiffness = own.stiffness + beyond.stiffness;
-    const double mean = std::max((own.areas + beyond.areas).sum(), 1e-300) /
+    const double mean = std::max((own.areas + beyond.areas).sum(), tolerance::tiny) /
                         static_cast<double>(std::max<std::size_t>(triangles.size() + around.size(), 1));
-    const auto over_mean = [&](const Eigen::VectorXd& areas) { return (areas / mean).cwiseMax(min_area).eval(); };
+    const auto over_mean = [&](const Eigen::VectorXd& areas) { return (areas / mean).cwiseMax(tolerance::slight).eval(); };
     areas_ = over_mean(own.areas + beyond.areas);
     beside_ = held_beside(stiffness);
     free_ = areas_.segment(first, count);
@@ -259,7 +260,7 @@ std::optional<Points> minimize_bending(const Points& points, const std::vector<s
 }
 
 double share_of_details(double noise, double left_by_reference) {
-  const double share = noise / std::max(left_by_reference, 1e-300);
+  const double share = noise / std::max(left_by_reference, tolerance::tiny);
   return std::pow(1 - std::min(std::pow(share, 4), 1.0), 2);
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 #include "tripatch/parametrization/parametrization.h"
 #include "tripatch/report/crossings.h"
@@ -24,8 +25,6 @@ constexpr int layouts = 3;
 /// 50 degrees to half of them, are half as far off with 200, 300 or 450, those of half an ellipsoid 0.54, 0.52 and 0.39 times, and take 1.4
 /// to 1.6 times as long.
 constexpr Index more_where_clear = 450;
-/// Of a step's share of the layout's energy: foot points do not see the rest. Twice and half of it move 84 fills by less than 0.5%.
-constexpr double layout_tolerance = 1e-3;
 /// Energy of a layout, 4 where nothing is deformed, from which on it is none. Of 1,658 layouts of random holes in even, bumpy and noisy meshes the
 /// worst has 35, of 155 of known surfaces and scanned meshes 14. In meshes stretched by up to 1000 one of six has more, up to 1e9: fills over it
 /// fold or are as far off as those of the next way, and where forty steps from there end rounding chooses.
@@ -102,7 +101,7 @@ std::optional<PlanePoints> laid_out(const Disc& disc, const PlaneRim& rim, const
   }
   triangles.insert(triangles.end(), disc.triangles.begin(), disc.triangles.end());
   PlaneLayoutOptions options;
-  options.tolerance = layout_tolerance;
+  options.tolerance = tolerance::slight;
   const std::optional<Parametrization> layout = parametrize(points, triangles, options);
   if (!layout || layout->energies.back() > max_deformed) return {};
   return PlanePoints(layout->uv.topRows(n));
@@ -203,7 +202,7 @@ std::optional<Attempt> attempt(const Disc& disc, const PlaneRim& rim, const std:
 
 /// By the change of the area, and the change before it.
 double fed_back(double before, double now, double change) {
-  return std::min(std::abs(now - before) / std::max(std::abs(change), 1e-300), max_fed_back);
+  return std::min(std::abs(now - before) / std::max(std::abs(change), tolerance::tiny), max_fed_back);
 }
 
 }  // namespace

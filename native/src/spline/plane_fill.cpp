@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/spline/averaged_models.h"
 #include "tripatch/spline/coarser_rim.h"
@@ -84,7 +85,7 @@ PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vec
     const std::vector<Index> samples = spread_samples(disc, rim.edge);
     FieldOptions fields;
     fields.orders = sees_rim_alone ? of_rim_alone : way.orders;
-    fields.unit = std::max(rim.edge, 1e-300);
+    fields.unit = std::max(rim.edge, tolerance::tiny);
     std::optional<Attempt> result = attempts(disc, rim, samples, fields, coarse, work);
     work.limit();
     if (!result || (result->made.doubles_edges && !rim.doubles_edges)) continue;

@@ -8,6 +8,7 @@
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/dense_kernels.h"
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 namespace {
@@ -40,8 +41,6 @@ constexpr Index points_at_once = 4096;
 constexpr double order_error = 0.5;
 /// Orders with less than this share are left out of the average.
 constexpr double min_share = 0.02;
-/// Distance from a sample, in normalised coordinates, at which derivatives are taken that have no limit there.
-constexpr double min_distance = 1e-7;
 
 /// Monomials up to the order's degree at points, n x q.
 MatrixXd monomials(const PlanePoints& c, double order) {
@@ -154,7 +153,7 @@ Likelihood likelihood_of(const Contrasts& contrasts, const MatrixXd& samples, Ma
   Likelihood best;
   for (int first = 0; first < tried; first += nuggets_at_once) {
     const Nuggets decade = lowest_nugget + nugget_step * (first + Nuggets::LinSpaced(0, nuggets_at_once - 1));
-    const Nuggets nugget = decade.unaryExpr([](double d) { return std::pow(10.0, d); }) * contrasts.unit;
+    const Nuggets nugget = decade.unaryExpr([](double d) { return std::pow(10, d); }) * contrasts.unit;
     const auto logarithm = [](double x) { return std::log(x); };
     Nuggets pivot = diagonal[0] + nugget, pivots = pivot, y[3];
     Nuggets logarithms = -static_cast<double>(contrasts.q) * (contrasts.unit + nugget).unaryExpr(logarithm);
@@ -176,7 +175,7 @@ Likelihood likelihood_of(const Contrasts& contrasts, const MatrixXd& samples, Ma
     logarithms += pivots.unaryExpr(logarithm);
     for (int k = 0; k < nuggets_at_once && first + k < tried; ++k) {
       if (!(least[k] > 0)) continue;
-      const double variance = std::max(squares[k] / static_cast<double>(free), 1e-300);
+      const double variance = std::max(squares[k] / static_cast<double>(free), tolerance::tiny);
       const double found = -0.5 * static_cast<double>(free) * std::log(variance) - 0.5 * logarithms[k];
       if (found > best.logarithm) best = {found, decade[k], nugget[k], variance};
     }
@@ -217,7 +216,7 @@ Eigen::Matrix2d along_and_across(const PlanePoints& points) {
 }
 
 void fit(PolyharmonicSpline::Part& part, const Contrasts& contrasts, const Points& samples, MatrixXd& lower) {
-  double& nugget = part.used_nugget = std::max(part.nugget, std::pow(10.0, lowest_nugget) * contrasts.unit);
+  double& nugget = part.used_nugget = std::max(part.nugget, std::pow(10, lowest_nugget) * contrasts.unit);
   while (!contrasts.factor(nugget, lower) && nugget < contrasts.unit) nugget *= 10;
   part.weights = contrasts.weights(lower, samples);
   part.polynomial = contrasts.polynomial(part.weights, samples);
@@ -228,7 +227,7 @@ void fit(PolyharmonicSpline::Part& part, const Contrasts& contrasts, const Point
 void fit_all(PolyharmonicSpline::Part& part, const Contrasts& contrasts, const PlanePoints& centers, const PlanePoints& places,
              const Points& samples, MatrixXd& lower) {
   const Index n = places.rows(), m = centers.rows();
-  const double rounding = std::pow(10.0, lowest_nugget) * contrasts.unit;
+  const double rounding = std::pow(10, lowest_nugget) * contrasts.unit;
   double root_nugget = rounding;
   while (!contrasts.factor(root_nugget, lower) && root_nugget < contrasts.unit) root_nugget *= 10;
   const MatrixXd kernel = polyharmonic_kernel(part.order, PlaneDistances(centers, places));
@@ -354,7 +353,7 @@ void PolyharmonicSpline::jets(const Part& part, const double* rows, Index n, dou
     const auto across = [&](double y) { return Jet<N>::linear(y, step * axes_(0, 1), step * axes_(1, 1)); };
     for (Index i = 0; i < points_.rows(); ++i) {
       double x = at[0] - points_(i, 0), y = at[1] - points_(i, 1);
-      if (std::abs(x) + std::abs(y) < min_distance) x = min_distance;
+      if (std::abs(x) + std::abs(y) < tolerance::same) x = tolerance::same;
       const Jet<N> u = along(x), v = across(y), s = u * u + v * v;
       std::array<double, N + 1> logarithm{}, power{}, kernel{};  // Taylor coefficients at s
       const double s0 = s.value();
@@ -479,7 +478,7 @@ Points PolyharmonicSpline::by_another_order(const Part& part, const PlanePoints&
   const Points samples = alone(part).values(some);
   const Contrasts contrasts(some, among_some, order);
   MatrixXd lower;
-  if (!contrasts.factor(std::pow(10.0, lowest_nugget + 1) * contrasts.unit, lower)) return Points(0, 3);
+  if (!contrasts.factor(std::pow(10, lowest_nugget + 1) * contrasts.unit, lower)) return Points(0, 3);
   const MatrixXd weights = contrasts.weights(lower, samples);
   PolyharmonicSum other(some);
   other.add(order, 1, weights, contrasts.polynomial(weights, samples));

@@ -11,6 +11,7 @@
 #include "tripatch/estimate/long_edges.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/height_models.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
@@ -157,8 +158,6 @@ private:
   static constexpr int max_added = 2 * static_cast<int>(max_edges_of_small), smoothing_rounds = 3;
   /// Over what its ends ask for: between the diagonals of a square and of a regular pentagon, which gets a vertex inside.
   static constexpr double longest_edge = 1.5;
-  /// Twice an area, squared edges of the rim's mean: less is none.
-  static constexpr double no_area = 1e-9;
 
   bool in_rim(int v) const { return static_cast<std::size_t>(v) < rim_.size(); }
   double area(const Triangle& t) const { return turn(places_[t[0]], places_[t[1]], places_[t[2]]); }
@@ -185,10 +184,10 @@ private:
       left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
     }
     triangles_.push_back({left[0], left[1], left[2]});
-    return area(triangles_.back()) > no_area;
+    return area(triangles_.back()) > tolerance::solved;
   }
   bool is_ear(const Triangle& ear, const std::vector<int>& left) const {
-    if (!(area(ear) > no_area)) return false;
+    if (!(area(ear) > tolerance::solved)) return false;
     for (const int v : left) {
       if (v == ear[0] || v == ear[1] || v == ear[2]) continue;
       const Vec2& p = places_[v];
@@ -214,7 +213,8 @@ private:
     const auto [a, b] = *shared;
     const int c = s[0] + s[1] + s[2] - a - b, d = t[0] + t[1] + t[2] - a - b;
     const Triangle one = {c, d, b}, other = {d, c, a};
-    if (!(area(one) > no_area && area(other) > no_area) || !is_nearer(a, b, c, d) || is_in_mesh(c, d)) return false;
+    if (!(area(one) > tolerance::solved && area(other) > tolerance::solved) || !is_nearer(a, b, c, d) || is_in_mesh(c, d))
+      return false;
     s = one, t = other;
     return true;
   }
@@ -224,7 +224,7 @@ private:
                db = places_[b] - places_[d];
     const double sine_c = cross_in_plane(ca, cb), cosine_c = ca.dot(cb), sine_d = cross_in_plane(db, da), cosine_d = da.dot(db);
     return sine_c * cosine_d + cosine_c * sine_d <
-           -no_area * std::sqrt(ca.squaredNorm() * cb.squaredNorm() * da.squaredNorm() * db.squaredNorm());
+           -tolerance::solved * std::sqrt(ca.squaredNorm() * cb.squaredNorm() * da.squaredNorm() * db.squaredNorm());
   }
 
   /// A vertex in the middle of the inner edge that is longest next to what its ends ask for, where that is too long.
@@ -270,7 +270,7 @@ private:
       }
     const std::vector<Vec2> before = places_;
     for (std::size_t v = rim_.size(); v < places_.size(); ++v) places_[v] = sum[v] / count[v];
-    if (!std::ranges::all_of(triangles_, [&](const Triangle& t) { return area(t) > no_area; })) places_ = before;
+    if (!std::ranges::all_of(triangles_, [&](const Triangle& t) { return area(t) > tolerance::solved; })) places_ = before;
   }
 
   const Connectivity& around_;

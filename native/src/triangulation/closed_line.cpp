@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/report/crossings.h"
 
 namespace tripatch {
@@ -23,7 +24,7 @@ bool ClosedLine::goes_through(const std::array<Index, 3>& triangle) const {
   const auto is_corner = [&](Index k) { return std::find(triangle.begin(), triangle.end(), vertices_[k]) != triangle.end(); };
   for (Index k = 0; k + 1 < heights.size(); ++k) {
     if ((heights[k] > 0) == (heights[k + 1] > 0) || is_corner(k) || is_corner(k + 1)) continue;
-    if (passage(along_.row(k), along_.row(k + 1), p, normal, touching * std::max(longest, lengths_[k]))) return true;
+    if (passage(along_.row(k), along_.row(k + 1), p, normal, tolerance::same * std::max(longest, lengths_[k]))) return true;
   }
   return false;
 }

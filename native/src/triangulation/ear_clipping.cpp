@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
@@ -22,7 +23,7 @@ class Grid {
 public:
   explicit Grid(const PlanePoints& p) : low_(p.colwise().minCoeff()) {
     const Place size = Place(p.colwise().maxCoeff()) - low_;
-    side_ = std::max(size.maxCoeff(), 1e-300) / std::max(1.0, std::sqrt(static_cast<double>(p.rows())));
+    side_ = std::max(size.maxCoeff(), tolerance::tiny) / std::max(1.0, std::sqrt(static_cast<double>(p.rows())));
     wide_ = static_cast<Index>(size[0] / side_) + 1;
     high_ = static_cast<Index>(size[1] / side_) + 1;
     cells_.resize(wide_ * high_);

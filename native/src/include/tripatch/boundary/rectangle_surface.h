@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "tripatch/boundary/side.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -27,13 +28,12 @@ public:
 
 /// A side turned round where asked, once its edge is known to have a length: more than the rounding of its positions.
 inline Side checked_edge(Side side, int edge, bool reversed) {
-  constexpr double no_length = 1e-12;
   double length = 0, size = 0;
   for (int k = 1; k <= 8; ++k) {
     length += (side.c(k / 8.0) - side.c((k - 1) / 8.0)).norm();
     size = std::max({size, side.c(k / 8.0).norm(), side.r(k / 8.0).norm()});
   }
-  if (!(length > no_length * size)) throw CodedRefusal(Code::edge_is_point, {{"edge", edge}});
+  if (!(length > tolerance::rounding * size)) throw CodedRefusal(Code::edge_is_point, {{"edge", edge}});
   if (!reversed) return side;
   return {side.c.reversed(), side.r.reversed(), side.q.empty() ? side.q : side.q.reversed()};
 }

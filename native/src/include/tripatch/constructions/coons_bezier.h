@@ -23,8 +23,6 @@ enum class CoonsKind {
 /// Three (n + 1) x 3 Bezier curves, curve i along side i (from corner i + 1 to corner i + 2), the ends shared.
 using BoundaryCurves = std::array<Points, 3>;
 
-/// Relative pivots below count as zero: so the ranks are those of the list in test_coons_bezier, for every degree.
-constexpr double singular_pivot = 1e-11;
 constexpr int max_boundary_degree = 20;  ///< with 171 unknowns, for which the systems are dense
 /// The paper's alpha: in degree 3 it gives the Coons patch.
 constexpr double coons_alpha = -2.0 / 3.0;

@@ -10,9 +10,6 @@
 
 namespace tripatch {
 
-/// Of the hole's diameter: vertices of one plane are no farther from it.
-inline constexpr double in_plane = 1e-4;
-
 class Wall {
 public:
   /// A plane. across: the hole's diameter. has_faces: else its normal may be turned over.

@@ -20,10 +20,6 @@ Eigen::VectorXd minimum(const EnergyProblem& problem, const Quadratic& energy);
 /// distance to the truth grows by a third to two thirds (holes of docs/holebench.md).
 constexpr double parameterization_counts = 0.1;
 
-/// Of a part of an energy, what its model may leave at least: the model is quadratic, the energy is not.
-constexpr double min_left = 1e-3;
-constexpr double no_energy = 1e-300;  ///< a logarithm's argument is not below, and nothing is divided by less
-
 /// A geometric energy as the logarithm of its value, so that "auto" weighs its two parts without units, plus the jumps of curvature.
 class Merit {
 public:

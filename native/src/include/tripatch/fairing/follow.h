@@ -12,8 +12,6 @@ struct SurfacePoints {
 
 /// What a distance along the surface counts next to one across it: where on a surface a point lies matters little, but must be held.
 constexpr double follow_along = 0.1;
-/// Of the mean diagonal element of the normal equations, added to it: points may be fewer than unknowns.
-constexpr double follow_least_diagonal = 1e-6;
 
 /// Of the patches that differ from `base` in the terms above the one that is nearest to the points, by least squares: distances along
 /// the surface count a tenth. Of `options` the numbers of coefficients and slopes_free are read.

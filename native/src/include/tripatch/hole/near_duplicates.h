@@ -9,11 +9,6 @@
 
 namespace tripatch {
 
-/// Of the size of a mesh: vertices of borders that are so near each other count as one. Single precision leaves 6e-8.
-constexpr double same_place = 1e-6;
-/// Likewise: borders that lie so near each other are near-duplicates, which are reported and not filled.
-constexpr double near_place = 1e-4;
-
 /// The diagonal of the box around all finite vertices.
 double size_of(const Mesh& mesh);
 

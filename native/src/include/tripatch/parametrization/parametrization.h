@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "tripatch/math/plane.h"
+#include "tripatch/math/tolerances.h"
 
 namespace tripatch {
 
 struct PlaneLayoutOptions {
-  int iterations = 40;      ///< at most; five times as many where the start has an energy of more than 100
-  double tolerance = 1e-4;  ///< stop where a step takes less than this share off the energy; there a thousandth of it
+  int iterations = 40;                  ///< at most; five times as many where the start has an energy of more than 100
+  double tolerance = tolerance::close;  ///< stop where a step takes less than this share off the energy; there a thousandth of it
   /// Steps times vertices, as many where there are more than `iterations`: at 10,000 vertices 120 steps.
   int vertex_steps = 1'200'000;
 };

@@ -140,7 +140,7 @@ Place<N> PolygonDomain::place_in_lens(const Jet<N>& u, const Jet<N>& v) const {
   }
   // what belongs to a corner has bounded parameters at the other, not smooth ones: there its weight is of fourth order
   const auto weight = [](const Jet<N>& x, const Jet<N>& y) {
-    return square(square(x)) * (1.0 + 4.0 * y + 10.0 * square(y) + 20.0 * (square(y) * y));
+    return square(square(x)) * (1.0 + 4.0 * y + 10 * square(y) + 20 * (square(y) * y));
   };
   p.corner[0] = weight(rest, s);
   p.corner[1] = weight(s, rest);

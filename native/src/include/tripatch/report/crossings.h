@@ -10,9 +10,6 @@
 
 namespace tripatch {
 
-/// Of the longest edge of two triangles: what passes by less touches, as seams of meshes do, which lie upon each other to rounding.
-constexpr double touching = 1e-6;
-
 /// Where the line from one point to another goes through a triangle with this unit normal, if by more than `least` it begins above or below,
 /// ends on the other side and keeps off the triangle's edges.
 std::optional<Vec3> passage(const Vec3& from, const Vec3& to, const std::array<Vec3, 3>& triangle, const Vec3& normal,

@@ -5,13 +5,6 @@
 
 namespace tripatch {
 
-/// Twice the area of a triangle as it is seen, over the squares of two of its edges: from here on it is seen from its front
-/// whatever rounding does. A millionth tells narrow triangles that lie flat from those that stand, ten digits above rounding.
-constexpr double surely_seen = 1e-6;
-
-/// Of the size of the border as it is seen: what lies so far apart does so whatever rounding does, which is a thousand times less.
-constexpr double surely_apart = 1e-12;
-
 /// Whether some faces, each cut into a fan from its first corner, surely lie over a plane one to one, so that none goes through
 /// another. Then their border is one loop that is a simple polygon along its own vector area, and every triangle is seen from its
 /// front. A point of the plane is then covered as often as the polygon winds round it: once or not at all. False says nothing.
