@@ -126,7 +126,7 @@ def test_a_cage_of_more_than_150_vertices_lies_at_once_where_the_mesh_goes_on(n,
 
 
 @pytest.mark.parametrize(("degrees", "on_mesh"), [(30, False), (40, True)])
-def test_a_cage_lies_where_the_mesh_goes_on_unless_that_is_well_known(degrees, on_mesh):
+def test_a_cage_lies_where_the_mesh_goes_on_unless_that_is_known_to_a_three_thousandth_of_the_hole(degrees, on_mesh):
     vertices, faces = cube_sphere(10)
     centers = np.array([vertices[f].mean(axis=0) for f in faces])
     axis = np.array([0.3, 0.2, 1.0]) / np.linalg.norm([0.3, 0.2, 1.0])
@@ -134,7 +134,7 @@ def test_a_cage_lies_where_the_mesh_goes_on_unless_that_is_well_known(degrees, o
     points, left, _ = without(vertices, faces, gone)
     triangles = tripatch.fill(points, left, method="polyharmonic_spline")
     size = np.linalg.norm(points[triangles.rim][:, None] - points[triangles.rim], axis=2).max()
-    assert bool(triangles.report.deviation_max > 1.5e-4 * size) is on_mesh
+    assert bool(triangles.report.deviation_max > 3e-4 * size) is on_mesh
     cage = tripatch.fill(points, left, output="cage")
     off = np.abs(np.linalg.norm(cage.vertices, axis=1) / np.linalg.norm(vertices[0]) - 1).max()
     assert bool(off < 1e-4) is on_mesh  # on the ball as the mesh's own; the fairest cage brings its limit to it

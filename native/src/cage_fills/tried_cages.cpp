@@ -29,7 +29,7 @@ constexpr double far_off = 0.25;
 /// Of the hole's diameter, of where the mesh would continue: what is known better is met by the fairest cage, whose limit is fitted, two to five
 /// times as nearly on balls. Else the limit is 0.53 times as far from the one that was there where the mesh continues, in the geometric mean of 23
 /// holes in Blender's heads, skins, remeshes and subdivided boxes whose quads continue, at most 2.3 times.
-constexpr double well_known = 1.5e-4;
+constexpr double well_known = 3e-4;
 /// Standard deviations of where the mesh would continue: a fair cage within as many is as likely. Suzanne's jaw is at 2.9, its fair cage four
 /// times nearer to the surface that was there than the other; 27 of the bevels' cages stay as they were, an eighth of the gain.
 constexpr double likely = 3.5;

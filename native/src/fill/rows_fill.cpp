@@ -134,25 +134,24 @@ double mean_edge(const Mesh& mesh, const std::vector<Index>& rim) {
   return sum / static_cast<double>(rim.size());
 }
 
-void report_rows(const Mesh& mesh, const Connectivity& around, double deviation, Fill& fill) {
+void report_rows(const Mesh& mesh, const Connectivity& around, double missed, Fill& fill) {
   Report& report = fill.report;
   report.method = rows_method;
   report.seam_angle_max_by_side = report.seam_angle_rms_by_side = {0};
   report.continuity = {SeamContinuity::g1};  // its surroundings are rows of the surface
-  report.surroundings_error = std::atan(deviation / mean_edge(mesh, fill.rim)) * 180 / std::numbers::pi;
+  report.surroundings_error = std::atan(missed / mean_edge(mesh, fill.rim)) * 180 / std::numbers::pi;
   if (fill.deviation.size() > 0) report.deviation_max = fill.deviation.maxCoeff();
   measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, around, {fill.rim}), report);
 }
 
-/// What is left to be told of quads that are made. missed: what nine of ten blocks are off by at most, which is two deviations.
+/// What is left to be told of quads that are made.
 void complete(const FillContext& context, double missed, Output output, bool features, Fill& fill) {
-  const double deviation = missed / 2;
-  fill.deviation = Eigen::VectorXd::Constant(fill.vertices.rows(), deviation);
+  fill.deviation = Eigen::VectorXd::Constant(fill.vertices.rows(), missed);
   const RowsInMesh in_mesh(context, fill);
   if (!fill.patch) fill.rim_normals = in_mesh.normals_of_rim(), fill.normals = in_mesh.normals_of_new();
   if (features) fill.feature_edges = in_mesh.creases();
   if (output == Output::triangles) halve_quads(context.mesh, fill);
-  report_rows(context.mesh, context.left, deviation, fill);
+  report_rows(context.mesh, context.left, missed, fill);
 }
 
 std::optional<Fill> fill_block(const FillContext& context, const std::vector<Index>& rim, const QuadRows& rows, Output output,

@@ -13,9 +13,13 @@ namespace {
 
 // What scripts/calibrate fits to holes whose truth is known. Errors are shares of the hole's diameter.
 /// Error of a patch per square root of its energy, which is 0 on spheres and cylinders.
-constexpr double error_by_energy = 1.5e-3;
+constexpr double error_by_energy = 5e-4;
 /// Error per radian by which the tangent planes along the boundary are unknown.
 constexpr double error_by_planes = 0.125;
+/// Error of a spline per root mean square of the standard deviation that it states.
+constexpr double error_by_deviation = 0.1;
+/// Error of rows of quads per distance by which they miss the boundary's own vertices.
+constexpr double error_by_missed = 0.25;
 /// Error of plain triangles, which know nothing of the surroundings.
 constexpr double error_of_triangles = 0.1;
 /// Nobody sees less.
@@ -23,12 +27,15 @@ constexpr double negligible = 1e-5;
 
 double stated_error(const Fill& fill, double size) {
   const Report& report = fill.report;
-  const double deviation = root_mean_square(fill.deviation);
-  if (report.method == rows_method) return deviation;
+  const double by_planes = least_error(report.surroundings_error, size);
+  if (report.method == rows_method) return error_by_missed * root_mean_square(fill.deviation);
   if (!fill.patch) return error_of_triangles * size;
-  if (report.method == spline_method) return deviation;
+  if (report.method == spline_method) {
+    const double share = fill.feature_edges.empty() ? error_by_deviation : 1;  // across creases it is as true as it says
+    return std::hypot(share * root_mean_square(fill.deviation), by_planes);
+  }
   if (fill.vertices.rows() == 0) return 0;
-  return std::hypot(size * error_by_energy * std::sqrt(report.energy_after), least_error(report.surroundings_error, size));
+  return std::hypot(size * error_by_energy * std::sqrt(report.energy_after), by_planes);
 }
 
 auto compared(const Quality& q) { return std::tuple(q.crosses, q.folds, q.exceeds_hole_bounds); }
@@ -60,9 +67,7 @@ double expected_error(const Fill& fill, double size) {
 
 double least_error(double degrees, double size) { return error_by_planes * degrees * std::numbers::pi / 180 * size; }
 
-double negligible_error(double size) { return negligible * size; }
-
-bool is_negligible(double error, double size) { return error <= negligible_error(size); }
+bool is_negligible(double error, double size) { return error <= negligible * size; }
 
 bool is_valid(const Quality& quality) { return compared(quality) == compared({}); }
 

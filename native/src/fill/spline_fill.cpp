@@ -109,16 +109,6 @@ Eigen::VectorXd deviation_at(const PlaneFill& made, const PlanePoints& uv) {
   return PlaneTriangles(made.triangles, stacked(made.rim_uv, made.uv)).carried(uv, stacked(of_rim, made.deviation));
 }
 
-/// A field knows of no surface that is smoother than its orders, and states too large deviations on one: where they are less than this
-/// share of the hole's diameter, errors are about this power of them, over all known surfaces without noise.
-constexpr double smooth_below = 3e-3, smooth_power = 1.25;
-
-Eigen::VectorXd on_smooth_surface(const Eigen::VectorXd& deviation, double size) {
-  const double stated = root_mean_square(deviation), share = stated / (smooth_below * size);
-  if (!(share < 1 && stated > negligible_error(size))) return deviation;
-  return std::max(std::pow(share, smooth_power - 1), negligible_error(size) / stated) * deviation;
-}
-
 /// Two triangles a quad.
 std::vector<std::array<Index, 3>> halves_of(const Faces& faces) {
   std::vector<std::array<Index, 3>> triangles;
@@ -288,7 +278,7 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   fill.vertices = std::move(made.vertices);
   fill.uv = std::move(made.uv);
   fill.rim_uv = std::move(made.rim_uv);
-  fill.deviation = creased ? std::move(made.deviation) : on_smooth_surface(made.deviation, diameter(mesh, rim));
+  fill.deviation = std::move(made.deviation);
   if (made.surface) fill.patch = std::make_shared<PlanePatch>(made.surface, fill.rim_uv);
   if (made.surface) {
     fill.normals = std::move(made.normals);

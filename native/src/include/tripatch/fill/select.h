@@ -17,8 +17,6 @@ double root_mean_square(const Eigen::VectorXd& values);
 double expected_error(const Fill& fill, double size);
 /// That of a patch at least, by the error of its sides' tangent planes in degrees.
 double least_error(double degrees, double size);
-/// Nobody sees less. size: the diameter of the hole.
-double negligible_error(double size);
 /// Whether nobody sees so small an error.
 bool is_negligible(double error, double size);
 
