@@ -54,16 +54,18 @@ py::list candidates_of(const Report& report) {
   return out;
 }
 
+py::tuple triangles_with_faces(const Array& vertices, const IndexArray& offsets, const IndexArray& corners) {
+  const FacesRef faces = faces_from(offsets, corners);
+  const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+  std::array<std::vector<Index>, 2> made;
+  interruptibly([&] { made = triangles_of(points, faces); });
+  return py::make_tuple(array_from(made[0]), array_from(made[1]));
+}
+
 }  // namespace
 
 void bind_report(py::module_& m) {
-  m.def("_triangles_of", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners) {
-    const FacesRef faces = faces_from(offsets, corners);
-    const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
-    std::array<std::vector<Index>, 2> made;
-    interruptibly([&] { made = triangles_of(points, faces); });
-    return py::make_tuple(array_from(made[0]), array_from(made[1]));
-  });
+  m.def("_triangles_of", triangles_with_faces);
   py::class_<Report> report(m, "Report", "Numbers of a fill: angles in degrees, time in seconds.");
   define_constructor<>(report, [] { return Report(); });
   report
