@@ -6,8 +6,6 @@
 #include "tripatch/math/tolerances.h"
 
 namespace tripatch {
-namespace {}  // namespace
-
 Points Sums::at(const Points& free) const { return rest + weights * Points(free(slots, Eigen::all)); }
 
 CageSystem::CageSystem(const Points& vertices, std::vector<Index> free)

@@ -130,6 +130,7 @@ std::array<bool, 3> curvature_agrees(const Sides& sides) {
 }
 
 SurfacePtr meet_curvature(const SurfacePtr& patch, const Sides& sides, const std::array<bool, 3>& wanted) {
+  constexpr double precision = 1e-7;  // of the curvature, where the sides are smooth
   std::array<PiecewisePolynomial, 3> fields;
   for (int i = 0; i < 3; ++i) {
     if (!wanted[i]) continue;
@@ -147,7 +148,7 @@ SurfacePtr meet_curvature(const SurfacePtr& patch, const Sides& sides, const std
       scale = std::max(scale, std::sqrt(form.squared_norm()) * form.across(across[k].first));
       largest = std::max(largest, Vec3::Map(&lacks[3 * k]).norm());
     }
-    const double to = largest > 0 ? std::clamp(tolerance::same * scale / largest, tolerance::solved, 0.01) : 0.01;
+    const double to = largest > 0 ? std::clamp(precision * scale / largest, tolerance::solved, 0.01) : 0.01;
     fields[i] = fit_between_vertices(sides[i], to, lacking);
   }
   return sum(patch, std::make_shared<Bends>(std::move(fields)));

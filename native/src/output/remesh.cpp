@@ -105,7 +105,7 @@ public:
       const Vec2 a = p.uv.row(t[0]), b = Vec2(p.uv.row(t[1])) - a, c = Vec2(p.uv.row(t[2])) - a;
       const double twice = (b[0] * c[1] - b[1] * c[0]) * p.unit * p.unit;
       const double longest = std::max({b.norm(), c.norm(), (b - c).norm()}) * p.unit;
-      const int parts = static_cast<int>(std::clamp(std::ceil(longest / (2 * at(a + (b + c) / 3))), 1.0, 4.0));
+      const int parts = static_cast<int>(std::clamp(std::ceil(longest / (2 * at(a + (b + c) / 3))), 1.0, 6.0));
       for (int i = 0; i < parts; ++i)
         for (int j = 0; i + j < parts; ++j)
           for (int half = 0; half < (i + j + 1 < parts ? 2 : 1); ++half) {

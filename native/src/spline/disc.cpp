@@ -251,7 +251,7 @@ std::vector<Index> spread_samples(const Disc& disc, double edge, Index more, Ind
     Index best = -1;
     double most = none;
     for (Index k = 0; k < n; ++k)
-      if (gap[k] != none && value[k] > most + tolerance::same * std::abs(most)) most = value[k], best = k;
+      if (gap[k] != none && value[k] > most + tolerance::close * std::abs(most)) most = value[k], best = k;
     if (best < 0) break;
     taken.push_back(best);
     gap[best] = none;
