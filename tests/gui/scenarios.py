@@ -300,7 +300,7 @@ def refusal_and_correction(w):
             yield
         yield from w.picture("blender-refusal-unfolded")
     hud = w.region("HUD")
-    place = hud.x + 160, hud.y + 18 + (26 if PANELS else 23) * 10  # Automatic, in the eleventh row from below
+    place = hud.x + 160, hud.y + 18 + (26 if PANELS else 23) * 11  # Automatic, in the twelfth row from below
     yield from w.click_at(*place)
     yield from w.picture("blender-corrected")
     assert last_operator().method == "auto" and last_operator().reasons == ""
