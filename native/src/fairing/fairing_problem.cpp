@@ -132,7 +132,7 @@ SurfacePtr FairingProblem::correction(const Eigen::VectorXd& x, const Sides& sid
   Points a(unknowns_.interior, 3);
   for (int c = 0; c < 3; ++c)
     a.col(c) = unknowns_.size * (shared_.combination * x.segment(c * unknowns_.interior, unknowns_.interior));
-  return tripatch::correction(std::move(slopes), options_.degree, options_.second_cross, a);
+  return tripatch::correction(slopes, options_.degree, options_.second_cross, a);
 }
 
 /// The derivatives, at a node, of what the free slopes add.

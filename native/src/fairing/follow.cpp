@@ -78,7 +78,7 @@ SurfacePtr follow(const FairingBase& base, SurfacePoints points, const FairingOp
       changes[i] = scale[i][0] == 0 && scale[i][1] == 0 ? PiecewisePolynomial::constant(none)
                                                         : added(x, i, 0) * directions[i][0] + added(x, i, 1) * directions[i][1];
     const Points coefficients = boundary.size * Eigen::Map<const Points>(x.data(), inner, 3);
-    patch = sum(plain, tripatch::correction(std::move(changes), options.degree, options.second_cross, coefficients));
+    patch = sum(plain, tripatch::correction(changes, options.degree, options.second_cross, coefficients));
     if (round == 0) nearest(*patch, points.points, points.barycentric);
   }
   return patch;

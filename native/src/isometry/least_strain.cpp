@@ -80,8 +80,8 @@ double root_mean_square_strain(const std::vector<WeightedEdge>& edges, const Unr
 class StrainEnergy {
 public:
   /// bending: of those that move; none: nothing moves in space.
-  StrainEnergy(std::vector<WeightedEdge> edges, const Points& start, Sparse bending)
-      : edges_(std::move(edges)), start_(start.topRows(bending.rows())), bending_(std::move(bending)) {}
+  StrainEnergy(std::vector<WeightedEdge> edges, const Points& start, const Sparse& bending)
+      : edges_(std::move(edges)), start_(start.topRows(bending.rows())), bending_(bending) {}
 
   void minimize(Unrolled& at) const {
     double damping = first_damping, least = value(at);

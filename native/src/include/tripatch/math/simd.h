@@ -38,7 +38,7 @@ namespace tripatch {
 
 /// How many numbers a pack, or a number itself, holds.
 template <class P>
-constexpr int width_of = sizeof(P) / sizeof(double);
+constexpr int width_of = sizeof(P) / 8;
 
 #ifdef TRIPATCH_PACKS
 // What is inlined everywhere is handed to no function: how that would be done does not matter.
