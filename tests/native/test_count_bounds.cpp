@@ -1,18 +1,11 @@
 // What counts may be asked for.
-#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <numbers>
 
 #include "test_refusals.h"
-#include "tripatch/cage_fills/cage_fills.h"
-#include "tripatch/cage_fills/tried_cages.h"
 #include "tripatch/fill.h"
-#include "tripatch/fill/fill_context.h"
-#include "tripatch/fill/polygon_fill.h"
-#include "tripatch/polygon/round.h"
 
 using namespace tripatch;
 
@@ -38,10 +31,6 @@ struct Rings {
     options.rim = rim;
     if (choose) choose(options);
     return fill(mesh(), options);
-  }
-  PolygonFill round() const {
-    const Connectivity around(mesh());
-    return fill_round(mesh(), around, disc_input(mesh(), around, rim, {}), {});
   }
 };
 

@@ -47,27 +47,6 @@ Eigen::VectorXd weights_of(const Stencil& s, const VarianceComponents& component
   return weights;
 }
 
-/// The normal matrix of a fit.
-struct Normal {
-  Eigen::MatrixXd matrix;
-  Normal(const Stencil& s, const VarianceComponents& components, const PlaneFit& fit) {
-    const Eigen::MatrixXd rows = rows_of(s);
-    matrix = rows.transpose() * weights_of(s, components).asDiagonal() * rows;
-    matrix.diagonal() += fit.prior;
-  }
-  /// The least of what elimination leaves of a diagonal element.
-  double min_pivot() const {
-    Eigen::MatrixXd a = matrix;
-    double least = 1;
-    for (Index i = 0; i < a.rows(); ++i) {
-      least = std::min(least, a(i, i) / matrix(i, i));
-      const Eigen::VectorXd column = a.col(i) / a(i, i);
-      a -= column * a.row(i);
-    }
-    return least;
-  }
-};
-
 }  // namespace
 
 TEST_CASE("a fit that is refined is that of an orthogonal triangularization to its last digits") {
