@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import os
 import queue
@@ -21,6 +22,33 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+@contextlib.contextmanager
+def _processes(number: int, settings: Settings) -> Iterator[Callable[..., Future[Any]]]:
+    """Begins work: a function gets the keeper of a process that is free, and what else is given, on a thread of its own."""
+    keepers = [Keeper(settings) for _ in range(number)]
+    free: queue.SimpleQueue[Keeper] = queue.SimpleQueue()
+    for keeper in keepers:
+        free.put(keeper)
+
+    def work(function: Callable[..., Any], *given: Any) -> Any:
+        keeper = free.get()
+        try:
+            return function(keeper, *given)
+        finally:
+            free.put(keeper)
+
+    pool = ThreadPoolExecutor(number)
+    try:
+        yield lambda function, *given: pool.submit(work, function, *given)
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for keeper in keepers:
+            keeper.stop()
+        pool.shutdown()
+        for keeper in keepers:
+            keeper.__exit__()
+
+
 def run_parts(tasks: Iterator[Task], settings: Settings, workers: int | None) -> Answers:
     """Has parts of a mesh filled: of each its place and what became of it, as they are done. Few are held at a time.
 
@@ -29,34 +57,19 @@ def run_parts(tasks: Iterator[Task], settings: Settings, workers: int | None) ->
     """
     number = max(1, cores() if workers is None else workers)
     settings = dataclasses.replace(settings, threads=max(1, cores() // number))
-    keepers = [Keeper(settings) for _ in range(number)]
-    free: queue.SimpleQueue[Keeper] = queue.SimpleQueue()
-    for keeper in keepers:
-        free.put(keeper)
 
-    def work(place: int, task: Task) -> tuple[int, Any]:
-        keeper = free.get()
-        try:
-            return place, keeper.tried("tripatch.batch.parts", "fill", task, settings)
-        finally:
-            free.put(keeper)
+    def work(keeper: Keeper, place: int, task: Task) -> tuple[int, Any]:
+        return place, keeper.tried("tripatch.batch.parts", "fill", task, settings)
 
-    pool, waiting = ThreadPoolExecutor(number), set[Future[Any]]()
-    try:
+    with _processes(number, settings) as submit:
+        waiting = set[Future[tuple[int, Any]]]()
         for place, task in enumerate(tasks):
-            waiting.add(pool.submit(work, place, task))
+            waiting.add(submit(work, place, task))
             if len(waiting) > number:
                 done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
                 yield from (each.result() for each in done)
         for each in as_completed(waiting):
             yield each.result()
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-        for keeper in keepers:
-            keeper.stop()
-        pool.shutdown()
-        for keeper in keepers:
-            keeper.__exit__()
 
 
 def run(
@@ -78,26 +91,10 @@ def run(
         # a fill takes the cores that no other process has: more threads than that only take turns
         settings = dataclasses.replace(settings, threads=max(1, cores() // number))
         order.sort(key=lambda k: -inputs.size(files[k]))  # the longest first: none is last alone
-    keepers = [Keeper(settings) for _ in range(number)]
-    free: queue.SimpleQueue[Keeper] = queue.SimpleQueue()
-    for keeper in keepers:
-        free.put(keeper)
 
-    def work(k: int) -> tuple[int, dict[str, Any]]:
-        keeper = free.get()
-        try:
-            return k, keeper.work(str(files[k]), before[k])
-        finally:
-            free.put(keeper)
+    def work(keeper: Keeper, k: int) -> tuple[int, dict[str, Any]]:
+        return k, keeper.work(str(files[k]), before[k])
 
-    pool = ThreadPoolExecutor(number)
-    try:
-        for done in as_completed([pool.submit(work, k) for k in order]):
+    with _processes(number, settings) as submit:
+        for done in as_completed([submit(work, k) for k in order]):
             take([done.result()])
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-        for keeper in keepers:
-            keeper.stop()
-        pool.shutdown()
-        for keeper in keepers:
-            keeper.__exit__()
