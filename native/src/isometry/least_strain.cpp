@@ -22,13 +22,11 @@ constexpr double shortness_of_chords = 1.0 / 24;
 constexpr double variance_of_chords = 1.0 / 720;
 /// The bending energy of a plate over its stretching energy, by its thickness squared.
 constexpr double bending_of_plate = 1.0 / 12;
-/// The strain that rounding leaves in flat triangles.
-constexpr double rounding = 1e-9;
 
-/// Levenberg-Marquardt: share of the diagonal that is added at the start and its bounds, the factor between steps.
-constexpr double first_damping = 1e-3, least_damping = 1e-9, most_damping = 1e6, damping_step = 10;
-/// It ends when a step that is hardly damped takes no more than this share off the energy.
-constexpr double least_gain = 1e-4, hardly_damped = 1e-5;
+/// Levenberg-Marquardt: the most that is added to the diagonal, of it, and the factor between steps.
+constexpr double most_damping = 1e6, damping_step = 10;
+/// It ends when a step that is hardly damped takes no more than nobody sees off the energy.
+constexpr double hardly_damped = 1e-5;
 constexpr int max_steps = 60;
 
 struct WeightedEdge {
@@ -84,7 +82,7 @@ public:
       : edges_(std::move(edges)), start_(start.topRows(bending.rows())), bending_(bending) {}
 
   void minimize(Unrolled& at) const {
-    double damping = first_damping, least = value(at);
+    double damping = tolerance::slight, least = value(at);
     SparseLdlt solver;
     for (int step = 0; step < max_steps && least > 0; ++step) {
       const auto [hessian, gradient] = derivatives(at);
@@ -103,8 +101,8 @@ public:
         at = next;
         break;
       }
-      if (before - least <= least_gain * before && damping <= hardly_damped) return;
-      damping = std::max(damping / damping_step, least_damping);
+      if (before - least <= tolerance::close * before && damping <= hardly_damped) return;
+      damping = std::max(damping / damping_step, tolerance::solved);
     }
   }
 
@@ -211,7 +209,7 @@ std::optional<LeastStrain> least_strain(const Sheet& sheet) {
   Unrolled alone{sheet.points, laid_out->uv};
   const Sparse none(0, 0);
   StrainEnergy(beyond, sheet.points, none).minimize(alone);
-  if (!(root_mean_square_strain(beyond, alone) <= shortness_of_chords * turn + rounding)) return {};
+  if (!(root_mean_square_strain(beyond, alone) <= shortness_of_chords * turn + tolerance::solved)) return {};
 
   Unrolled at{sheet.points, laid_out->uv};
   StrainEnergy(edges, sheet.points, none).minimize(at);

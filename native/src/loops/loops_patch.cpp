@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tripatch/math/angle.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/remesh.h"
 #include "tripatch/report/folded_triangles.h"
@@ -27,10 +28,6 @@ constexpr double edge_turn = 15;
 /// Of the size, or of a unit vector: how well polynomials fit what the base lacks. Far below what is seen, above rounding.
 constexpr double lack_tolerance = 1e-11;
 constexpr int lack_degree = 9, lack_depth = 3;
-/// Of the size: nearer to a corner, where weights are 0/0, derivatives are those at this distance.
-constexpr double near_corner = 1e-9;
-/// Of the area: triangles cover a domain.
-constexpr double same_area = 1e-9;
 /// Places of a side at which its seam is measured, and edges a side on which folds are looked for.
 constexpr int seam_places = 101, fold_edges = 24;
 
@@ -78,7 +75,7 @@ double turn_in(const Frame& frame, const Side& side) {
 }
 
 std::vector<Part> parts_of(const Frame& frame, const Side& side) {
-  const int count = std::max(1, static_cast<int>(std::ceil(turn_in(frame, side) / edge_turn - 1e-6)));
+  const int count = std::max(1, static_cast<int>(std::ceil(turn_in(frame, side) / edge_turn - tolerance::same)));
   std::vector<Part> parts;
   for (int k = 0; k < count; ++k) {
     const Side piece = count == 1 ? side : piece_of(side, static_cast<double>(k) / count, (k + 1.0) / count);
@@ -177,7 +174,7 @@ bool is_over_plane(const PlanePoints& uv, const std::vector<Index>& starts) {
     area += a[0] * b[1] - a[1] * b[0];
   }
   const double whole = area_within(uv, starts);
-  return all_positive(uv, triangles) && std::abs(area - whole) < same_area * whole;
+  return all_positive(uv, triangles) && std::abs(area - whole) < tolerance::solved * whole;
 }
 
 void check_domain(const std::vector<Part>& parts, const std::vector<Index>& sizes) {
@@ -201,9 +198,9 @@ JetPoint<N> LoopsSurface::at(const Vec2& place) const {
   Vec2 p = place;
   const Edge* corner = nullptr;
   for (const Edge& edge : edges_)
-    if ((place - edge.from).norm() < near_corner * size_) {
+    if ((place - edge.from).norm() < tolerance::solved * size_) {
       corner = &edge;
-      p = edge.from + near_corner * size_ * (edge.to - edge.from).normalized();
+      p = edge.from + tolerance::solved * size_ * (edge.to - edge.from).normalized();
     }
   const std::array<double, 3> row = {p[0], p[1], 0};
   std::array<double, 3 * jet_size(N)> jet;
