@@ -46,9 +46,15 @@ Report told(const FillOptions& asked, const Made& made, double size, const char*
   return told_of_patch(std::move(report), size);
 }
 
-/// What is reported of a patch between loops.
-Report told_of_loops(const LoopsPatch& made) {
+/// What is reported of a patch between loops, which has no options.
+Report told_of_loops(const FillOptions& asked, const LoopsPatch& made) {
   Report report;
+  Method without = {.name = "islands"};
+  for (const Option& option : options()) without.lacks.emplace_back(option.name);
+  std::vector<std::string> given = not_taken(without, asked);
+  std::erase(given, "fairing");  // of patches it is none unless asked for
+  if (asked.fairing) given.emplace_back("fairing");
+  if (!given.empty()) report.warnings.push_back({Code::options_not_taken, {{"method", "islands"}, {"options", given}}});
   report.method = polygon_method;
   report.folds = made.folds;
   report.continuity.assign(made.seams.size(), SeamContinuity::g1);
@@ -87,7 +93,7 @@ void bind_loops(py::module_& m) {
     check_asked(asked);
     LoopsPatch made;
     interruptibly([&] { made = loops_patch(loops); }, progress);
-    return py::make_tuple(std::const_pointer_cast<LoopsSurface>(made.patch), told_of_loops(made));
+    return py::make_tuple(std::const_pointer_cast<LoopsSurface>(made.patch), told_of_loops(asked, made));
   });
   m.def("_loops_triangles", [](const std::shared_ptr<LoopsSurface>& patch, const std::vector<std::vector<double>>& parameters,
                                const std::optional<int>& resolution) {

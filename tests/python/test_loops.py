@@ -129,3 +129,12 @@ def test_loops_that_cross_are_refused():
     inner = [side for side, _ in regular(4, 0.5, inside=True, middle=(0.9, 0))]
     with refused("loops_not_over_plane"):
         tripatch.patch(outer, islands=[inner])
+
+
+def test_options_that_are_ignored_are_named():
+    outer = [side for side, _ in polygon(SQUARE)]
+    inner = [side for side, _ in regular(4, 0.5, inside=True)]
+    with pytest.warns(tripatch.FillWarning) as told:
+        patch = tripatch.patch(outer, islands=[inner], fairing="auto", bulge=2.0)
+    assert [warning.code for warning in patch.report.warnings] == ["options_not_taken"]
+    assert [str(each.message) for each in told] == ["islands ignores bulge, fairing"]

@@ -83,7 +83,7 @@ def patch(
         method, cross_boundary, fairing: as of `fill`.
         tolerance: ends up to so far apart are moved together, half the way each, and a warning says how far; none: they meet.
         islands: loops of sides inside, each in the direction that new faces take, against the clock round the patch outside and
-            with it inside. Options are not used then.
+            with it inside. Other options are ignored then, and a warning names them.
         progress: called several times a second with 0 and 1; what it raises ends the work, as Ctrl-C does.
         **options: see OPTIONS.
 
