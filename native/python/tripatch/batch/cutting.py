@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -110,12 +109,22 @@ class Cut:
         return 2 * self.rings * (edges + 3 * self.rings) + len(self.more)
 
 
-def _rings(points: Array) -> int:
-    """Rings that are likely to be enough for a rim: farther than the hole is wide, and as many as are always looked at."""
-    edges = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
-    wide = float(np.linalg.norm(np.ptp(points, axis=0))) / max(float(np.mean(edges)), 1e-300)
+def _rings(vertices: Array, loops: Sequence[Sequence[int]]) -> list[int]:
+    """Of each loop: rings that are likely to be enough for it, farther than it is wide, and as many as are always looked at."""
+    sizes = np.array([len(loop) for loop in loops], np.int64)
+    starts = np.cumsum(sizes) - sizes
+    points = vertices[np.concatenate([np.asarray(loop, np.int64) for loop in loops])] if len(loops) else np.zeros((0, 3))
+    following = np.arange(1, len(points) + 1)
+    following[starts + sizes - 1] = starts
+    with np.errstate(invalid="ignore", over="ignore"):
+        edges = np.linalg.norm(points[following] - points, axis=1)
+        low, high = np.minimum.reduceat(points, starts), np.maximum.reduceat(points, starts)
+        wide = np.linalg.norm(high - low, axis=1) / np.maximum(np.add.reduceat(edges, starts) / sizes, 1e-300)
     least = SURROUNDING_RINGS + 1
-    return max(least, 4 + math.ceil(min(wide, len(points)))) if math.isfinite(wide) else least
+    rings: list[int] = (
+        np.maximum(least, 4 + np.ceil(np.minimum(np.nan_to_num(wide, nan=0, posinf=0), sizes))).astype(int).tolist()
+    )
+    return rings
 
 
 class Cuts:
@@ -124,23 +133,23 @@ class Cuts:
     def __init__(self, ply: PlyParts, mesh: BorderMesh, name: str) -> None:
         self._ply, self._name, holes = ply, name, mesh.holes
         self.of_hole: dict[int, Cut] = {}
-        box = [np.full(3, np.inf), np.full(3, -np.inf)]
-        count = 0
+        free: list[list[int]] = []
+        rings = iter(_rings(mesh.vertices, [loop for k, rim in enumerate(holes.rims) for loop in (rim, *holes.islands[k])]))
         for k, rim in enumerate(holes.rims):
+            loops = [mesh.numbers[loop] for loop in (rim, *holes.islands[k])]
+            enough = max(next(rings) for _ in loops)
             if k in holes.refused:
                 continue
-            loops = [mesh.numbers[loop] for loop in (rim, *holes.islands[k])]
-            rings = max(_rings(mesh.vertices[loop]) for loop in (rim, *holes.islands[k]))
-            self.of_hole[k] = Cut(loops[0], loops[1:], rings, [k])
+            self.of_hole[k] = Cut(loops[0], loops[1:], enough, [k])
             if not holes.islands[k]:
-                count += 1
-                points = mesh.vertices[rim]
-                points = points[np.isfinite(points).all(axis=1)]
-                if len(points):
-                    box = [np.minimum(box[0], points.min(axis=0)), np.maximum(box[1], points.max(axis=0))]
+                free.append(rim)
         # a rim that is refused, with which the holes of any part reach as far as all do: coordinates are rounded alike
-        low, high = box
-        self._frame = np.array([low, high, [high[0], low[1], low[2]]]) if count > 1 and (low <= high).all() else None
+        self._frame = None
+        points = mesh.vertices[np.concatenate([np.asarray(rim, np.int64) for rim in free])] if len(free) > 1 else np.zeros((0, 3))
+        points = points[np.isfinite(points).all(axis=1)]
+        if len(points):
+            low, high = points.min(axis=0), points.max(axis=0)
+            self._frame = np.array([low, high, [high[0], low[1], low[2]]])
         self._copies = mesh.copies()
         self._stands = {int(v): root for root, own in self._copies.items() for v in own}
         self._unite_touching()
