@@ -122,6 +122,7 @@ def macos_link(platform: Platform, folder: Path) -> Path:
     rule = folder / "rules.cmake"
     rule.write_text(
         f'set(CMAKE_CXX_CREATE_SHARED_MODULE "{" ".join(map(str, command + inputs))}")\nunset(CMAKE_CXX_LINKER_WRAPPER_FLAG)\n'
+        'set(CMAKE_SHARED_MODULE_CREATE_CXX_FLAGS "-bundle")  # no words for a compiler; CMake 4 has them among LINK_FLAGS\n'
     )
     return rule
 
@@ -169,6 +170,7 @@ def configure(platform: Platform, opensubdiv: Path, python: str, more: Mapping[s
         "CMAKE_BUILD_TYPE": "Release",
         "CMAKE_TOOLCHAIN_FILE": toolchain(platform),
         "CMAKE_DISABLE_PRECOMPILE_HEADERS": "ON",
+        "CMAKE_INTERPROCEDURAL_OPTIMIZATION": "OFF",  # else pybind11 tries it, and zig compiles a C++ library for the trial
         "TRIPATCH_CCACHE": "OFF",  # zig has a cache of its own
         "TRIPATCH_PYTHON": "ON",
         "TRIPATCH_UNITY": "ON",
