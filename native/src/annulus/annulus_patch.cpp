@@ -8,15 +8,16 @@
 #include "tripatch/annulus/match.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/places.h"
 #include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
+#include "tripatch/patch/seam.h"
 #include "tripatch/polygon/round.h"
 
 namespace tripatch {
 namespace {
 
-constexpr int rib_numbers = 18;       ///< six vectors
-constexpr int annulus_samples = 200;  ///< places at which seams and ribs are measured: a choice
+constexpr int rib_numbers = 18;  ///< six vectors
 /// Chords at 120 degrees to both ends, beyond which ribs would grow without bound.
 constexpr double min_chord_cosine = -0.5;
 /// Sines of angles between chords and ends that count as none, where their ratio is taken.
@@ -70,8 +71,8 @@ void RibMaker::at(double u, double* out) const {
 void measure_patch(const RibMaker& maker, AnnulusPatch& made) {
   std::array<double, 2> squares = {0, 0};
   std::array<double, rib_numbers> rib{};
-  for (int k = 0; k < annulus_samples; ++k) {
-    const double u = (k + 0.5) / annulus_samples, t = maker.second_at(u);
+  for (int k = 0; k < seam_samples; ++k) {
+    const double u = (k + 0.5) / seam_samples, t = maker.second_at(u);
     PlanePoints places(2, 2);
     for (int i = 0; i < 2; ++i) places.row(i) = made.patch->place(u, i);
     const Points normals = made.patch->normals(as_rows(places));
@@ -79,14 +80,14 @@ void measure_patch(const RibMaker& maker, AnnulusPatch& made) {
       const Vec3 known = i == 0 ? maker.first.normal(u) : maker.second.normal(t);
       const double angle = degrees_between(Vec3(normals.row(i)), known);
       made.seam_angle_max[i] = std::max(made.seam_angle_max[i], angle);
-      squares[i] += angle * angle / annulus_samples;
+      squares[i] += angle * angle / seam_samples;
     }
     maker.at(u, rib.data());
-    made.rib_turn += degrees_between(Vec3::Map(&rib[3]), Vec3::Map(&rib[12])) / annulus_samples;
+    made.rib_turn += degrees_between(Vec3::Map(&rib[3]), Vec3::Map(&rib[12])) / seam_samples;
     PlanePoints along(9, 2);
-    for (int j = 0; j < 9; ++j) along.row(j) = made.patch->place(u, j / 8.0);
+    for (int j = 0; const double v : evenly(8)) along.row(j++) = made.patch->place(u, v);
     const Points points = made.patch->positions(as_rows(along));
-    for (int j = 0; j < 8; ++j) made.rib_length += (points.row(j + 1) - points.row(j)).norm() / annulus_samples;
+    for (int j = 0; j < 8; ++j) made.rib_length += (points.row(j + 1) - points.row(j)).norm() / seam_samples;
   }
   for (int i = 0; i < 2; ++i) made.seam_angle_rms[i] = std::sqrt(squares[i]);
 }
@@ -94,9 +95,9 @@ void measure_patch(const RibMaker& maker, AnnulusPatch& made) {
 /// Radius of the inner circle at which the ring in the plane is about as wide, by its length, as in space.
 double inner_radius(const RibMaker& maker) {
   double width = 0;
-  for (int k = 0; k < annulus_samples; ++k) {
-    const double u = static_cast<double>(k) / annulus_samples;
-    width += (maker.second.c(maker.second_at(u)) - maker.first.c(u)).norm() / annulus_samples;
+  for (int k = 0; k < seam_samples; ++k) {
+    const double u = static_cast<double>(k) / seam_samples;
+    width += (maker.second.c(maker.second_at(u)) - maker.first.c(u)).norm() / seam_samples;
   }
   const double around = (arc_length(maker.first.c) + arc_length(maker.second.c)) / 2;
   return around / (around + 2 * std::numbers::pi * width);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tripatch/math/places.h"
 #include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 
@@ -99,8 +100,8 @@ Side side_from_normals(const Vec3& p, const Vec3& normal_p, const Vec3& q, const
     side = make_side<3>({0.5 * (p + q) + (tp - tq) / 8, 1.5 * d - 0.25 * (tp + tq), 0.5 * (tq - tp), tp + tq - 2 * d}, mean,
                         difference);
   }
-  for (int k = 0; k <= 8; ++k)  // a normal field everywhere: neither opposite normals nor a curve that stands still
-    if (!(side.r(k / 8.0).norm() > tolerance::same * length)) throw CodedRefusal(Code::normals_disagree, {0, 1});
+  for (const double t : evenly(8))  // a normal field everywhere: neither opposite normals nor a curve that stands still
+    if (!(side.r(t).norm() > tolerance::same * length)) throw CodedRefusal(Code::normals_disagree, {0, 1});
   return side;
 }
 

@@ -6,6 +6,7 @@
 
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/places.h"
 #include "tripatch/math/smoothstep.h"
 #include "tripatch/math/tolerances.h"
 #include "tripatch/math/tolerant_compare.h"
@@ -50,8 +51,8 @@ Sides closed(Sides sides) {
 
 /// Whether the surroundings are degenerate all along: no more than the line of the side itself.
 bool no_planes(const Side& side) {
-  for (int k = 0; k <= 8; ++k) {
-    const Vec3 r = side.r(k / 8.0), dc = side.c.derivative_at(k / 8.0);
+  for (const double t : evenly(8)) {
+    const Vec3 r = side.r(t), dc = side.c.derivative_at(t);
     if (r.cross(dc).norm() > tolerance::solved * r.norm() * dc.norm()) return false;
   }
   return true;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tripatch/fairing/curvature_variation.h"
+#include "tripatch/math/damping.h"
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/tolerances.h"
@@ -17,8 +18,6 @@ namespace {
 /// Squared weight, over the hole's size squared, that keeps what shall not move where it is; that of the energies is about 1 (0 with
 /// 1e8).
 constexpr double pinned = 1e10;
-constexpr double damping_factor = 10;  ///< by which a step changes Levenberg and Marquardt's damping
-constexpr int attempts = 6;            ///< at a step, each more damped: the last a hundred thousand times; 0 with three
 /// Rounds in which the weights of the logarithms, one over their values where the step leads, settle; 6e-4 with two, 4e-4 with six.
 constexpr int weight_rounds = 3;
 
@@ -177,7 +176,7 @@ Points fair_cage(CageSystem& system, const Points& start, std::vector<FairHole>&
     const Points free = at(y);
     for (std::size_t h = 0; h < count; ++h) variation(system, holes[h], free, y, &model[h]);
     double gain = 0;
-    for (int attempt = 0; attempt < attempts && gain == 0; ++attempt) {
+    for (int attempt = 0; attempt < dampings_tried && gain == 0; ++attempt) {
       Eigen::VectorXd next = y;
       for (int round = 0; round < weight_rounds; ++round) {  // a logarithm's weight is one over its value where the step leads
         sum = held;
@@ -194,9 +193,9 @@ Points fair_cage(CageSystem& system, const Points& start, std::vector<FairHole>&
         gain = value.merit - there.merit;
         y = next;
         value = std::move(there);
-        damping = std::max(damping / damping_factor, anchor);
+        damping = std::max(damping / damping_by, anchor);
       } else {
-        damping *= damping_factor;
+        damping *= damping_by;
       }
     }
     if (gain < options.enough) break;

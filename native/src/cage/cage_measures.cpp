@@ -5,6 +5,7 @@
 #include "tripatch/boundary/limit_sides.h"
 #include "tripatch/cage/cage_fit.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/places.h"
 #include "tripatch/quads/quad_smoothing.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/report/folded_triangles.h"
@@ -63,7 +64,7 @@ void CageFit::measure_surroundings(std::size_t h, CageMeasures& measures) const 
 void CageFit::measure_rim(std::size_t h, CageMeasures& measures) const {
   const SidedRim& hole = holes_[h].hole;
   measures.seam_angles.resize(hole.sides());
-  const std::vector<double> t = {0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0};
+  const std::vector<double> t = evenly(8);
   const std::vector<double> reversed(t.rbegin(), t.rend());
   std::vector<LimitJet> in(t.size()), out(t.size());
   for (int i = 0; i < hole.sides(); ++i) {

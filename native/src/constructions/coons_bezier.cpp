@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "tripatch/math/linear.h"
+#include "tripatch/math/places.h"
 #include "tripatch/math/tolerances.h"
 
 namespace tripatch {
@@ -177,7 +178,7 @@ Points bezier_side(const Ribbon& ribbon, int i, double size) {
   std::vector<double> t;
   const std::vector<double>& breaks = ribbon.c.breaks();
   for (std::size_t p = 0; p + 1 < breaks.size(); ++p)
-    for (double s : {0.02, 0.15, 0.31, 0.5, 0.69, 0.85, 0.98}) t.push_back(breaks[p] + s * (breaks[p + 1] - breaks[p]));
+    for (const double s : scattered(7)) t.push_back(breaks[p] + s * (breaks[p + 1] - breaks[p]));
   if (breaks.size() <= 4)  // enough samples for any degree
     for (int k = 0; k < 2 * max_side_degree; ++k)
       t.push_back(0.5 - 0.5 * std::cos(std::numbers::pi * (k + 0.5) / (2 * max_side_degree)));

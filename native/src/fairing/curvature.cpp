@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "tripatch/math/linear.h"
+#include "tripatch/math/places.h"
 #include "tripatch/math/tolerances.h"
 
 namespace tripatch {
@@ -139,8 +140,8 @@ SurfacePtr meet_curvature(const SurfacePtr& patch, const Sides& sides, const std
       for (std::size_t k = 0; k < t.size(); ++k) Vec3::Map(&out[3 * k]) = lacking_curvature(sides[i], t[k], across[k]);
     };
     double scale = 0, largest = 0;
-    const std::array<double, 7> probe = {0.05, 0.2, 0.35, 0.5, 0.65, 0.8, 0.95};
-    std::array<double, 21> lacks;
+    const std::vector<double> probe = scattered(7);
+    std::vector<double> lacks(3 * probe.size());
     lacking(probe, lacks);
     const std::vector<Across> across = derivatives_across(*patch, i, probe);
     for (std::size_t k = 0; k < probe.size(); ++k) {

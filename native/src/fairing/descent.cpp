@@ -9,6 +9,7 @@
 
 #include "tripatch/fairing/candidates.h"
 #include "tripatch/fairing/energy.h"
+#include "tripatch/math/damping.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/tolerances.h"
 
@@ -21,10 +22,6 @@ constexpr double weight_of_jumps = 0.1;  // of the energy at the start, for each
 constexpr double share_of_reach = 0.9;   // of the way to alpha's bound, so that the steps that follow have room: 0 with 0.54
 /// Of one of two energies in the derivative: for less its model, half the work, is not made: 1e-5.
 constexpr double min_share = 0.05;
-
-/// Levenberg and Marquardt's damping: what a step changes it by, and how often it is tried before a step is given up: the usual values.
-constexpr double damping_by = 10;
-constexpr int dampings_tried = 6;
 
 constexpr double enough = 1e-2;  // relative gain: the step that gains less is the last
 constexpr double none =

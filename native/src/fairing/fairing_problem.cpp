@@ -6,6 +6,7 @@
 
 #include "tripatch/math/linear.h"
 #include "tripatch/math/parallel.h"
+#include "tripatch/math/places.h"
 
 namespace tripatch {
 namespace {
@@ -17,7 +18,7 @@ constexpr Index nodes_a_thread = 60;
 
 double scale_to(double size, const PiecewisePolynomial& field) {
   double length = 0;
-  for (int k = 0; k <= 16; ++k) length += field(k / 16.0).norm() / 17;
+  for (const double t : evenly(16)) length += field(t).norm() / 17;
   return length > 0 ? size / length : 0;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "tripatch/math/damping.h"
 #include "tripatch/math/plane.h"
 #include "tripatch/math/sparse_ldlt.h"
 #include "tripatch/math/tolerances.h"
@@ -23,8 +24,8 @@ constexpr double variance_of_chords = 1.0 / 720;
 /// The bending energy of a plate over its stretching energy, by its thickness squared.
 constexpr double bending_of_plate = 1.0 / 12;
 
-/// Levenberg-Marquardt: the most that is added to the diagonal, of it, and the factor between steps.
-constexpr double most_damping = 1e6, damping_step = 10;
+/// Levenberg-Marquardt: the most that is added to the diagonal, of it.
+constexpr double most_damping = 1e6;
 /// It ends when a step that is hardly damped takes no more than nobody sees off the energy.
 constexpr double hardly_damped = 1e-5;
 constexpr int max_steps = 60;
@@ -89,7 +90,7 @@ public:
       if (step == 0) solver.analyzePattern(hessian);
       const Eigen::VectorXd diagonal = hessian.diagonal();
       const double mean = diagonal.mean(), before = least;
-      for (; !(least < before); damping *= damping_step) {
+      for (; !(least < before); damping *= damping_by) {
         if (damping > most_damping) return;
         Sparse damped = hessian;
         damped.diagonal() += damping * (diagonal.array() + mean).matrix();
@@ -102,7 +103,7 @@ public:
         break;
       }
       if (before - least <= tolerance::close * before && damping <= hardly_damped) return;
-      damping = std::max(damping / damping_step, tolerance::solved);
+      damping = std::max(damping / damping_by, tolerance::solved);
     }
   }
 

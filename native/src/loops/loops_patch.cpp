@@ -10,6 +10,7 @@
 #include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/remesh.h"
+#include "tripatch/patch/seam.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/hermite_correction.h"
 #include "tripatch/spline/polyharmonic_spline.h"
@@ -28,8 +29,8 @@ constexpr double edge_turn = 15;
 /// Of the size, or of a unit vector: how well polynomials fit what the base lacks. Far below what is seen, above rounding.
 constexpr double lack_tolerance = 1e-11;
 constexpr int lack_degree = 9, lack_depth = 3;
-/// Places of a side at which its seam is measured, and edges a side on which folds are looked for.
-constexpr int seam_places = 101, fold_edges = 24;
+/// Edges a side on which folds are looked for.
+constexpr int fold_edges = 24;
 
 Vec2 left_of(const Vec2& from, const Vec2& to) {
   const Vec2 way = (to - from).normalized();
@@ -304,10 +305,10 @@ LoopsPatch loops_patch(const std::vector<SideList>& loops) {
   std::size_t number = 0;
   for (const SideList& loop : given)
     for (const Side& side : loop) {
-      PlanePoints places(seam_places, 2);
-      Points points(seam_places, 3), normals(seam_places, 3);
-      for (int k = 0; k < seam_places; ++k) {
-        const double t = static_cast<double>(k) / (seam_places - 1);
+      PlanePoints places(seam_samples, 2);
+      Points points(seam_samples, 3), normals(seam_samples, 3);
+      for (int k = 0; k < seam_samples; ++k) {
+        const double t = static_cast<double>(k) / (seam_samples - 1);
         places.row(k) = made.patch->on_side(number, t);
         points.row(k) = side.c(t);
         normals.row(k) = side.normal(t);

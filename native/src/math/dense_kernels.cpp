@@ -20,10 +20,13 @@
 namespace tripatch {
 namespace {
 
+/// Columns of a row, of a block of them, and of a product at least; rows of a Cholesky factor made at a time stay in the first cache.
+constexpr Index width = 24, block = 8, four = 4, panel = 16;
+
 /// Products as the compiler finds them.
 struct AnyRegisters {
-  using OfFour = AnyRegisters;                                    ///< for products of four columns
-  static constexpr Index rows = 4, columns = 8, max_columns = 8;  // of a product: what the registers hold
+  using OfFour = AnyRegisters;                                               ///< for products of four columns
+  static constexpr Index rows = four, columns = block, max_columns = block;  // of a product: what the registers hold
 
   /// sum = a b, where a is `rows` by k and b is k by `columns`.
   template <Index Rows, Index Columns>
@@ -106,7 +109,7 @@ TRIPATCH_INLINE void multiply_four_with(const double* a, Index k, const double* 
 /// b: k rows of four, the last of each nothing.
 template <class Registers>
 TRIPATCH_INLINE void add_product_of_fours_with(const double* a, Index m, Index k, const double* b, double* __restrict out) {
-  constexpr Index rows = 8;
+  constexpr Index rows = block;
   Index i = 0;
   double sum[rows][4], one[1][4];
   for (; i + rows <= m; i += rows) {
@@ -122,7 +125,7 @@ TRIPATCH_INLINE void add_product_of_fours_with(const double* a, Index m, Index k
 
 template <class Registers>
 TRIPATCH_INLINE void add_dots_with(const double* a, Index m, Index n, const double* x, double* __restrict out) {
-  constexpr Index rows = 4;
+  constexpr Index rows = four;
   Index i = 0;
   double sum[rows], one[1];
   for (; i + rows <= m; i += rows) {
@@ -139,14 +142,13 @@ TRIPATCH_INLINE void add_dots_with(const double* a, Index m, Index n, const doub
 /// `Columns` are looked at.
 template <class Registers, Index Columns>
 TRIPATCH_INLINE void eliminate_rows(const double* pivot, double over, Index begin, Index end, double* a) {
-  constexpr Index width = 24, from = width - Columns;
+  constexpr Index from = width - Columns;
   for (Index i = begin; i < end; ++i) Registers::template take<Columns>(pivot[i] * over, pivot + from, a + i * width + from);
 }
 
 /// Row by row from what those below still have: as soon as one is done the next one is begun.
 template <class Registers>
 TRIPATCH_INLINE bool factor_symmetric_with(double* a, Index n, double least) {
-  constexpr Index width = 24, block = 8;
   double enough[width];
   for (Index i = 0; i < n; ++i) enough[i] = least * a[i * width + i];
   for (Index k = 0; k < n; ++k) {
@@ -166,7 +168,6 @@ TRIPATCH_INLINE bool factor_symmetric_with(double* a, Index n, double least) {
 /// diagonal element. The rows are passed once a column: what reflects one makes the products that the next one asks for.
 template <class Registers>
 TRIPATCH_INLINE void reflect_columns_with(double* a, Index m, Index n) {
-  constexpr Index width = 24, block = 8;
   double products[width], across[width];  // of the column with all from `begin` on
   for (Index c = 0; c < width; c += block)
     Registers::product(a, 0, width, m, a + c, width, reinterpret_cast<double (&)[1][block]>(products[c]));
@@ -227,7 +228,7 @@ TRIPATCH_PRODUCTS(any_machine, AnyRegisters, )
 /// Registers of `width` doubles, which the compiler does not find by itself everywhere.
 template <Index Width, Index ProductRows, Index ProductColumns>
 struct VectorRegisters {
-  static constexpr Index rows = ProductRows, columns = 8, max_columns = ProductColumns;
+  static constexpr Index rows = ProductRows, columns = block, max_columns = ProductColumns;
   using OfFour = VectorRegisters<4, 4, 8>;
   typedef double Vector __attribute__((vector_size(8 * Width), aligned(8), may_alias));
 
@@ -299,8 +300,6 @@ const Products products = __builtin_cpu_supports("x86-64-v4")   ? with_avx512
 constexpr Products products = any_machine;
 #endif
 
-constexpr Index panel = 16;  ///< rows of a Cholesky factor made at a time: they stay in the first cache
-
 /// Rows [from, to) of an upper triangular factor, in place; false where the matrix is not positive definite.
 TRIPATCH_FOR_EACH_MACHINE bool factor_panel(double* __restrict a, Index n, Index from, Index to) {
   for (Index k = from; k < to; ++k) {
@@ -328,7 +327,6 @@ struct Reflecting {
 
 /// What is lacking of the part of column j below its diagonal is taken away, and the column's share of p made.
 TRIPATCH_FOR_EACH_MACHINE void reflect_column(const Reflecting& r, Index j) {
-  constexpr Index width = 4;
   const double vj = r.v[j], wj = r.w[j], xj = r.x[j];
   double* const __restrict a = r.a + j * r.n;
   const double* const __restrict v = r.v;
@@ -339,9 +337,9 @@ TRIPATCH_FOR_EACH_MACHINE void reflect_column(const Reflecting& r, Index j) {
   double own = a[j] * xj;
   Index i = j + 1;
 #ifdef __GNUC__
-  typedef double Four __attribute__((vector_size(8 * width), aligned(8), may_alias));
+  typedef double Four __attribute__((vector_size(8 * four), aligned(8), may_alias));
   Four sum = {};
-  for (; i + width <= r.n; i += width) {  // no function returns a Four: clang 14 takes its reference for aligned to 32 bytes
+  for (; i + four <= r.n; i += four) {  // no function returns a Four: clang 14 takes its reference for aligned to 32 bytes
     const Four left = *reinterpret_cast<const Four*>(a + i) - *reinterpret_cast<const Four*>(v + i) * wj -
                       *reinterpret_cast<const Four*>(w + i) * vj;
     *reinterpret_cast<Four*>(a + i) = left;
@@ -426,8 +424,7 @@ Eigen::VectorXd symmetric_product(const Eigen::MatrixXd& a, const VectorRef& x) 
 }
 
 Eigen::MatrixXd symmetric_of_lower(const RowMajor& a, Index n) {
-  constexpr Index block = 8;  // rows and columns, of which both copies stay in the cache
-  Eigen::MatrixXd out(n, n);
+  Eigen::MatrixXd out(n, n);  // block by block, of which both copies stay in the cache
   for (Index from = 0; from < n; from += block)
     for (Index left = 0; left <= from; left += block)
       for (Index i = from; i < std::min(from + block, n); ++i)
@@ -453,7 +450,6 @@ bool factor_symmetric(SquareOf24& a, Index n, double least) { return products.fa
 
 /// Four rows at a time: what those before take away is a product for which the machine's registers are used, as Eigen's is not.
 void solve_lower_triangular(const Eigen::MatrixXd& a, RowMajor& b) {
-  constexpr Index four = 4;
   const Index n = a.rows(), columns = b.cols();
   RowMajor taken(four, columns);
   for (Index from = 0; from < n; from += four) {

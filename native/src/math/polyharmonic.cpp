@@ -288,30 +288,29 @@ PolyharmonicSum::Jets<Values, Order> PolyharmonicSum::polynomials_at(const Value
 }
 
 void PolyharmonicSum::evaluate(const PlanePoints& at, int order, double* out) const {
-  [[maybe_unused]] constexpr int eight = 8, four = 4, two = 2;  // as many as registers hold
-  Index k = 0;
+  Index k = 0;  // as many at a time as registers hold
 #ifdef TRIPATCH_PACKS
   const bool packs = has_packs();
-  for (; packs && order == 0 && k + four < at.rows(); k += eight) {
+  for (; packs && order == 0 && k + 4 < at.rows(); k += 8) {
     check_interruption();
-    values_at<eight>(at, k, out);
+    values_at<8>(at, k, out);
   }
-  for (; packs && order > 0 && k < at.rows(); k += four) {
+  for (; packs && order > 0 && k < at.rows(); k += 4) {
     check_interruption();
     if (order == 1)
-      derivatives_at<four, 1>(at, k, out);
+      derivatives_at<4, 1>(at, k, out);
     else
-      derivatives_at<four, 2>(at, k, out);
+      derivatives_at<4, 2>(at, k, out);
   }
 #endif
-  for (; k < at.rows(); k += order > 0 ? two : four) {
+  for (; k < at.rows(); k += order > 0 ? 2 : 4) {
     check_interruption();
     if (order == 0)
-      values_at<four>(at, k, out);
+      values_at<4>(at, k, out);
     else if (order == 1)
-      derivatives_at<two, 1>(at, k, out);
+      derivatives_at<2, 1>(at, k, out);
     else
-      derivatives_at<two, 2>(at, k, out);
+      derivatives_at<2, 2>(at, k, out);
   }
 }
 

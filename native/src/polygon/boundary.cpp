@@ -9,6 +9,7 @@
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/places.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -20,7 +21,7 @@ constexpr double turned_back = 179;
 double size_of(const SideList& sides) {
   std::vector<Vec3> points;
   for (const Side& side : sides)
-    for (int k = 0; k < 8; ++k) points.push_back(side.c(k / 8.0));
+    for (const double t : evenly(8)) points.push_back(side.c(t));
   double size = 0;
   for (const Vec3& p : points)
     for (const Vec3& q : points) size = std::max(size, (p - q).norm());

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tripatch/math/linear.h"
+#include "tripatch/math/places.h"
 #include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 #include "tripatch/types.h"
@@ -114,7 +115,12 @@ PolygonDomain lens_like(const std::vector<double>& turns) {
   const double height = 0.5 * std::tan(0.5 * (std::numbers::pi - turn));  // over half the length
   const PolygonDomain unit = PolygonDomain::lens(2, height);
   double length = 0;
-  for (int k = 0; k < 32; ++k) length += (unit.on_side(0, (k + 1) / 32.0) - unit.on_side(0, k / 32.0)).norm();
+  Vec2 before = unit.corner(0);
+  for (const double t : evenly(32)) {
+    const Vec2 at = unit.on_side(0, t);
+    length += (at - before).norm();
+    before = at;
+  }
   return PolygonDomain::lens(2 / length, height / length);
 }
 
@@ -136,11 +142,11 @@ PolygonDomain polygon_like(std::vector<double> turns, const std::vector<double>&
     for (double& t : turns) t *= 2 * std::numbers::pi / sum;
   }
   Eigen::VectorXd closed;
-  for (int attempt = 0; attempt <= 8; ++attempt) {
+  for (const double share : evenly(8)) {
     std::vector<double> now;
-    for (double t : turns) now.push_back(t + (equal - t) * attempt / 8.0);
+    for (double t : turns) now.push_back(t + (equal - t) * share);
     std::vector<double> wanted;
-    for (double l : lengths) wanted.push_back(attempt < 8 ? l : 1);
+    for (double l : lengths) wanted.push_back(share < 1 ? l : 1);
     closed = closing_lengths(now, wanted);
     bool good = true;
     for (std::size_t i = 0; i < n; ++i) good = good && closed[static_cast<Index>(i)] > min_length * wanted[i];

@@ -15,8 +15,6 @@
 namespace tripatch {
 namespace {
 
-constexpr int seam_samples = 200;  ///< places along a side, a choice
-
 template <class T>
 std::vector<T> each(const std::vector<T>& given, int n, const T& otherwise, const char* name) {
   if (given.empty()) return std::vector<T>(n, otherwise);
@@ -221,15 +219,12 @@ PolygonPatch unfolded(const SideList& sides, const PolygonPatchOptions& options,
   return other.folds < made.folds ? other : made;
 }
 
-/// Made while one hole is shaped: as it is, with its middle elsewhere, and both as they were before. A choice.
-constexpr std::size_t kept_patches = 4;
-
 /// unfolded, which depends on nothing else than this key: a fill that somebody shapes has the same patch with other faces, and the
 /// same patch whose middle is moved. known: of the patch without the points.
 PolygonPatch made_or_kept(const SideList& sides, const PolygonPatchOptions& options, const Asked& asked,
                           const std::vector<double>& bulge, const std::vector<InnerPoint>& through,
                           const std::shared_ptr<KnownAtNodes>& known = {}) {
-  static LruCache<PolygonPatch> last(kept_patches);
+  static LruCache<PolygonPatch> last;
   Key key;
   for (const Side& side : sides) {
     for (const PiecewisePolynomial& field : {side.c, side.r, side.q}) key.add(field);

@@ -6,8 +6,10 @@
 #include "tripatch/fairing/candidates.h"
 #include "tripatch/fairing/folds.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/places.h"
 #include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
+#include "tripatch/patch/seam.h"
 #include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/round_problem.h"
 #include "tripatch/polygon/surface_of_revolution.h"
@@ -17,14 +19,14 @@ namespace {
 
 /// Energies are measured on a rim without shorter waves: third derivatives of what a mesh says of them are noise.
 constexpr int measured_waves = 12;
-/// Places along the rim, and on the disc, at which a patch is looked at: choices.
-constexpr int round_seam_samples = 200, round_fold_rings = 16, round_fold_angles = 64;
+/// Places on the disc at which a patch is looked at: choices.
+constexpr int round_fold_rings = 16, round_fold_angles = 64;
 constexpr int energy_nodes_round =
     8;  ///< along the radius; with half as many the energy over an uneven rim is 1% off, twice as many change 1e-6
 
 double rim_diameter(const PiecewisePolynomial& c) {
   std::vector<Vec3> points;
-  for (int k = 0; k < 48; ++k) points.push_back(c(k / 48.0));
+  for (const double t : evenly(48)) points.push_back(c(t));
   double size = 0;
   for (const Vec3& p : points)
     for (const Vec3& q : points) size = std::max(size, (p - q).norm());
@@ -132,14 +134,14 @@ Index count_round_folds(const Surface& patch) {
 }
 
 void measure_round_seam(RoundPatch& made) {
-  Points at = Points::Zero(round_seam_samples, 3);
-  for (int k = 0; k < round_seam_samples; ++k) at.row(k).head<2>() = on_circle(static_cast<double>(k) / round_seam_samples);
+  Points at = Points::Zero(seam_samples, 3);
+  for (int k = 0; k < seam_samples; ++k) at.row(k).head<2>() = on_circle(static_cast<double>(k) / seam_samples);
   const Points normals = made.patch->normals(at);
   double squares = 0;
-  for (int k = 0; k < round_seam_samples; ++k) {
-    const double angle = degrees_between(normals.row(k), made.side.normal(static_cast<double>(k) / round_seam_samples));
+  for (int k = 0; k < seam_samples; ++k) {
+    const double angle = degrees_between(normals.row(k), made.side.normal(static_cast<double>(k) / seam_samples));
     made.seam_angle_max = std::max(made.seam_angle_max, angle);
-    squares += angle * angle / round_seam_samples;
+    squares += angle * angle / seam_samples;
   }
   made.seam_angle_rms = std::sqrt(squares);
 }

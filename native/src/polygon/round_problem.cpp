@@ -9,6 +9,7 @@
 
 #include "tripatch/fairing/fairing_problem.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/places.h"
 #include "tripatch/math/quadrature.h"
 #include "tripatch/messages.h"
 #include "tripatch/patch/through.h"
@@ -246,9 +247,9 @@ CurvatureFollowing RoundProblem::followed() const {
 double RoundProblem::reach(const Eigen::VectorXd& x) const {
   double most = std::numeric_limits<double>::infinity();
   if (scale_[0] == 0) return most;
-  for (int k = 0; k < 64; ++k) {
+  for (const double t : evenly(64)) {
     double change = 0;
-    for (int m = 0; m < options_.slopes; ++m) change += scale_[0] * x[scalars() + m] * value_of(space_.waves[m], k / 64.0);
+    for (int m = 0; m < options_.slopes; ++m) change += scale_[0] * x[scalars() + m] * value_of(space_.waves[m], t);
     if (!(change >= 0)) most = std::min(most, -(1 - min_alpha_kept) * of_.alpha / change);
     if (change > 0) most = std::min(most, (max_slope - 1) * of_.alpha / change);
   }

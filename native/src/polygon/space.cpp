@@ -78,9 +78,6 @@ PolygonQuadrature lens_quadrature(const PolygonDomain& domain, int nodes) {
   return result;
 }
 
-/// Those of one fill, on few nodes, on many and of a higher degree, and one more; some megabytes each.
-constexpr std::size_t kept_spaces = 4;
-
 }  // namespace
 
 PolygonQuadrature polygon_quadrature(const PolygonDomain& domain, int nodes) {
@@ -156,7 +153,7 @@ PolygonSpace::PolygonSpace(const PolygonDomain& domain, PolygonQuadrature quadra
 
 std::shared_ptr<const PolygonSpace> polygon_space(const PolygonDomain& domain, int degree, int second_cross, int slopes,
                                                   int nodes) {
-  static LruCache<PolygonSpace> last(kept_spaces);
+  static LruCache<PolygonSpace> last;
   Key key;
   for (int number : {degree, second_cross, slopes, nodes}) key.add(number);
   key.add(domain.height());

@@ -250,14 +250,11 @@ private:
 constexpr double rings_reach = 0.5;
 constexpr int sweeps_of_rings = 20;  ///< a choice: what follows smooths on
 
-/// Of one rim, which a cage lays out several times. A choice.
-constexpr std::size_t kept_layouts_grown = 6;
-
 }  // namespace
 
 std::optional<PlaneLayout> grown_quads(const PlanePoints& rim, const std::vector<int>& wanted) {
   if (rim.rows() < 3 || rim.rows() > max_edges) return {};
-  static LruCache<std::optional<PlaneLayout>> last(kept_layouts_grown);
+  static LruCache<std::optional<PlaneLayout>> last;
   Key key;
   for (const int quads : wanted) key.add(quads);
   for (Index k = 0; k < rim.rows(); ++k) key.add(rim.row(k));

@@ -422,13 +422,10 @@ Chosen best_plan(const PlanePoints& rim, const std::vector<RimCorner>& corners, 
   return std::move(*best);
 }
 
-/// Of one rim while its fill is shaped, or of two that are compared. A choice.
-constexpr std::size_t kept_layouts = 6;
-
 }  // namespace
 
 PlaneLayout polygon_layout(const PlanePoints& rim, const std::vector<RimCorner>& corners, int rows) {
-  static LruCache<Chosen> last(kept_layouts);
+  static LruCache<Chosen> last;
   const int tried = std::min(rows, max_rows_of_trials);
   Key key;
   key.add(tried);

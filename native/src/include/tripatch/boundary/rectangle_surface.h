@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "tripatch/boundary/side.h"
+#include "tripatch/math/places.h"
 #include "tripatch/math/tolerances.h"
 #include "tripatch/messages.h"
 
@@ -29,9 +30,12 @@ public:
 /// A side turned round where asked, once its edge is known to have a length: more than the rounding of its positions.
 inline Side checked_edge(Side side, int edge, bool reversed) {
   double length = 0, size = 0;
-  for (int k = 1; k <= 8; ++k) {
-    length += (side.c(k / 8.0) - side.c((k - 1) / 8.0)).norm();
-    size = std::max({size, side.c(k / 8.0).norm(), side.r(k / 8.0).norm()});
+  Vec3 before = side.c(0);
+  for (const double t : evenly(8)) {
+    const Vec3 at = side.c(t);
+    length += (at - before).norm();
+    size = std::max({size, at.norm(), side.r(t).norm()});
+    before = at;
   }
   if (!(length > tolerance::rounding * size)) throw CodedRefusal(Code::edge_is_point, {{"edge", edge}});
   if (!reversed) return side;

@@ -54,7 +54,8 @@ private:
 template <class Value>
 class LruCache {
 public:
-  explicit LruCache(std::size_t most) : most_(most) {}
+  /// most: more than one hole asks for while it is shaped; a choice.
+  explicit LruCache(std::size_t most = 6) : most_(most) {}
 
   std::shared_ptr<const Value> find(const Key& key) {
     const std::lock_guard<std::mutex> lock(mutex_);

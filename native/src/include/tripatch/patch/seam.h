@@ -5,6 +5,7 @@
 
 namespace tripatch {
 
+inline constexpr int seam_samples = 200;       ///< places along a side, a choice
 inline constexpr double beside_corner = 0.01;  ///< of a side: what is left out next to a corner that has two
 
 /// How a patch meets a side: angles between its normals and the side's where that has some, in degrees, and the largest distance.
