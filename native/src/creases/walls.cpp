@@ -205,19 +205,31 @@ private:
     walls_.clear();
     beside_.clear();
     if (!sharp_) return false;
-    const Points points = mesh_.vertices(rim_, Eigen::all);
     Numbering seen(mesh_.faces.size());
-    std::vector<std::size_t> wall;  // of each
+    std::vector<std::size_t> number;  // of each face's piece
+    std::vector<SmoothPiece> pieces;
     for (const Index f : faces_at_rim()) {
       if (seen.find(f) < 0) {
         std::vector<Index> piece = grown(f, seen);
-        wall.resize(seen.size(), wall_of_piece(std::move(piece), points));
-        if (walls_.size() > max_planes || !walls_.back().continues()) return false;
+        number.resize(seen.size(), number_of(std::move(piece), pieces));
       }
-      beside_.push_back(wall[static_cast<std::size_t>(seen.find(f))]);
+      if (pieces.size() > max_planes) return false;
+      beside_.push_back(number[static_cast<std::size_t>(seen.find(f))]);
     }
+    if (pieces.size() < 2 || std::ranges::all_of(pieces, [](const SmoothPiece& piece) { return piece.plane.has_value(); }))
+      return false;  // most holes: before anything is fitted
+    std::vector<std::optional<Wall>> read(pieces.size());
+    std::vector<std::size_t> order(pieces.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [&](std::size_t k) { return pieces[k].faces.size(); });  // the fastest to read first
+    const Points points = mesh_.vertices(rim_, Eigen::all);
+    for (const std::size_t k : order) {
+      read[k] = pieces[k].plane ? pieces[k].plane : Wall(mesh_, std::move(pieces[k].faces), points, across_);
+      if (!read[k]->continues()) return false;
+    }
+    for (std::optional<Wall>& wall : read) walls_.push_back(std::move(*wall));
     seen_ = walls_.size();
-    return seen_ > 1 && !all_flat();
+    return true;
   }
 
   /// The faces near a face that edges which are not sharp connect with it.
@@ -236,22 +248,22 @@ private:
     return piece;
   }
 
+  /// Faces that no sharp edges part.
+  struct SmoothPiece {
+    std::optional<Wall> plane;  ///< none: it is curved
+    std::vector<Index> faces;
+  };
+
   /// Its number: of one plane's pieces the same.
-  std::size_t wall_of_piece(std::vector<Index> piece, const Points& rim) {
-    const Index largest = *std::ranges::max_element(piece, {}, [&](Index f) { return coarse(area_vector(mesh_, f).norm()); });
+  std::size_t number_of(std::vector<Index> faces, std::vector<SmoothPiece>& pieces) const {
+    const Index largest = *std::ranges::max_element(faces, {}, [&](Index f) { return coarse(area_vector(mesh_, f).norm()); });
     const Wall flat(area_vector(mesh_, largest).stableNormalized(), point(mesh_.faces[largest][0]), across_);
-    const auto all_in = [&](const Wall& wall) {
-      return wall.is_flat() && std::ranges::all_of(piece, [&](Index f) { return lies_in(f, wall); });
-    };
-    const auto same = std::ranges::find_if(walls_, all_in);
-    if (same != walls_.end()) return static_cast<std::size_t>(same - walls_.begin());
-    const bool is_flat = all_in(flat);
-    std::ranges::sort(piece);
-    if (is_flat)
-      walls_.push_back(flat);
-    else
-      walls_.emplace_back(mesh_, std::move(piece), rim, across_);
-    return walls_.size() - 1;
+    const auto lie_in = [&](const Wall& wall) { return std::ranges::all_of(faces, [&](Index f) { return lies_in(f, wall); }); };
+    const auto same = std::ranges::find_if(pieces, [&](const SmoothPiece& piece) { return piece.plane && lie_in(*piece.plane); });
+    if (same != pieces.end()) return static_cast<std::size_t>(same - pieces.begin());
+    std::ranges::sort(faces);
+    pieces.push_back({lie_in(flat) ? std::optional(flat) : std::nullopt, std::move(faces)});
+    return pieces.size() - 1;
   }
 
   /// Planes of two edges of the rim that follow each other: of a wall that has no face left. None where they are many.
