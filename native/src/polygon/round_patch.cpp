@@ -24,6 +24,18 @@ constexpr int round_fold_rings = 16, round_fold_angles = 64;
 constexpr int energy_nodes_round =
     8;  ///< along the radius; with half as many the energy over an uneven rim is 1% off, twice as many change 1e-6
 
+/// Of waves round the circle at t.
+Vec3 at_turn(const Harmonic& waves, double t) {
+  Vec3 sum = waves.row(0);
+  const Vec2 turn = on_circle(t);
+  Vec2 wave = turn;
+  for (Index k = 1; 2 * k < waves.rows(); ++k) {
+    sum += wave[0] * waves.row(2 * k - 1).transpose() + wave[1] * waves.row(2 * k).transpose();
+    wave = Vec2(wave[0] * turn[0] - wave[1] * turn[1], wave[0] * turn[1] + wave[1] * turn[0]);
+  }
+  return sum;
+}
+
 double rim_diameter(const PiecewisePolynomial& c) {
   std::vector<Vec3> points;
   for (const double t : evenly(48)) points.push_back(c(t));
@@ -46,29 +58,31 @@ void check_round(const Side& side, double size) {
 PiecewisePolynomial around_circle(const Harmonic& waves) {
   return PiecewisePolynomial::fit(
       [&](std::span<const double> t, std::span<double> out) {
-        for (std::size_t s = 0; s < t.size(); ++s) {
-          Vec3 sum = waves.row(0);
-          for (Index k = 1; 2 * k < waves.rows(); ++k) {
-            const Vec2 wave = on_circle(static_cast<double>(k) * t[s]);
-            sum += wave[0] * waves.row(2 * k - 1).transpose() + wave[1] * waves.row(2 * k).transpose();
-          }
-          Vec3::Map(&out[3 * s]) = sum;
-        }
+        for (std::size_t s = 0; s < t.size(); ++s) Vec3::Map(&out[3 * s]) = at_turn(waves, t[s]);
       },
       3);
 }
 
 namespace {
 
-/// The side by waves up to an order: r a unit vector across, q the normal curvature along it.
-Side in_waves(const Side& side, int order) {
-  Side out;
-  out.c = around_circle(fourier([&](double t) { return side.c(t); }, order));
-  out.r = around_circle(fourier([&](double t) { return upright_across(side, t); }, order));
-  if (!side.q.empty()) out.q = around_circle(fourier([&](double t) { return upright_bend(side, t); }, order));
-  out.curvature_error = side.curvature_error;
-  return out;
-}
+/// The rim of a side, r as a unit vector across it, and q as the normal curvature along that, by waves up to an order.
+struct RimWaves {
+  Harmonic c, r, q;
+
+  RimWaves(const Side& side, int order)
+      : c(fourier([&](double t) { return side.c(t); }, order)),
+        r(fourier([&](double t) { return upright_across(side, t); }, order)) {
+    if (!side.q.empty()) q = fourier([&](double t) { return upright_bend(side, t); }, order);
+  }
+  Side side(double curvature_error) const {
+    Side out;
+    out.c = around_circle(c);
+    out.r = around_circle(r);
+    if (q.rows() > 0) out.q = around_circle(q);
+    out.curvature_error = curvature_error;
+    return out;
+  }
+};
 
 /// The frame about which rim and slopes are of revolution, if they are.
 std::optional<Eigen::Matrix3d> axis_of(const RoundBase& base) {
@@ -95,23 +109,38 @@ struct RoundAsked {
   bool tangent() const { return continuity != SideContinuity::free && continuity != SideContinuity::g0; }
 };
 
-RoundBase round_base(const Side& side, const RoundAsked& asked, double size, int order) {
+/// Of a rim, by 32 chords.
+double length_of(const Harmonic& rim) {
+  constexpr int chords = 32;
+  double length = 0;
+  for (int k = 0; k < chords; ++k)
+    length += (at_turn(rim, static_cast<double>(k + 1) / chords) - at_turn(rim, static_cast<double>(k) / chords)).norm();
+  return length;
+}
+
+/// What `asked` says, and the terms of the patch; without the side.
+RoundBase terms_of_base(const RimWaves& waves, const RoundAsked& asked, double size, int order) {
   RoundBase base;
-  base.side = in_waves(side, order);
   base.size = size;
-  base.alpha = asked.bulge * arc_length(base.side.c) / (2 * std::numbers::pi);
+  base.alpha = asked.bulge * length_of(waves.c) / (2 * std::numbers::pi);
   base.position_only = asked.continuity == SideContinuity::free;
   base.slopes_free = asked.tangent() && asked.bulge == 1;
   base.curvature = asked.continuity == SideContinuity::g2 || asked.continuity == SideContinuity::automatic;
   base.through = asked.through;
-  const Harmonic curve = fourier([&](double t) { return base.side.c(t); }, order);
   Harmonic slope = Harmonic::Zero(2 * order + 5, 3);  // two waves more: alpha and beta times r and c'
   if (asked.tangent()) {
-    slope.topRows(curve.rows()) = -0.5 * base.alpha * fourier([&](double t) { return base.side.r(t); }, order);
+    slope.topRows(waves.c.rows()) = -0.5 * base.alpha * waves.r;
     for (Index k = 1; k <= order; ++k)
-      slope.middleRows(2 * k - 1, 2) += 0.5 * static_cast<double>(k) * curve.middleRows(2 * k - 1, 2);
+      slope.middleRows(2 * k - 1, 2) += 0.5 * static_cast<double>(k) * waves.c.middleRows(2 * k - 1, 2);
   }
-  base.terms = terms_through({curve, slope}, base.through, size);
+  base.terms = terms_through({waves.c, slope}, base.through, size);
+  return base;
+}
+
+RoundBase round_base(const Side& side, const RoundAsked& asked, double size, int order) {
+  const RimWaves waves(side, order);
+  RoundBase base = terms_of_base(waves, asked, size, order);
+  base.side = waves.side(side.curvature_error);
   return base;
 }
 
@@ -268,7 +297,7 @@ RoundAsked round_asked(const PolygonPatchOptions& options, int order) {
 }  // namespace
 
 bool is_of_revolution(const Side& side, const PolygonPatchOptions& options, int order) {
-  return axis_of(round_base(side, round_asked(options, order), rim_diameter(side.c), order)).has_value();
+  return axis_of(terms_of_base({side, order}, round_asked(options, order), rim_diameter(side.c), order)).has_value();
 }
 
 RoundPatch round_patch(const Side& side, const PolygonPatchOptions& options, int order) {

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "tripatch/math/simd.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/polygon/round_problem.h"
 
@@ -11,32 +13,85 @@ Vec2 on_circle(double t) {
   return {std::cos(angle), std::sin(angle)};
 }
 
-void RoundSurface::evaluate(const double* b, Index n, int order, double* out) const {
-  Index waves = 0;
-  for (const Harmonic& term : terms_) waves = std::max(waves, (term.rows() - 1) / 2);
-  with_order<0, max_order>(order, [&](auto constant) {
-    constexpr int N = constant.value;
-    std::vector<JetPoint<N>> sums(terms_.size());
-    for (Index row = 0; row < n; ++row) {
-      const Jet<N> u = Jet<N>::linear(b[3 * row], 1, 0), v = Jet<N>::linear(b[3 * row + 1], 0, 1);
-      for (std::size_t j = 0; j < terms_.size(); ++j)
-        for (int x = 0; x < 3; ++x) sums[j].x[x] = Jet<N>(terms_[j](0, x));
-      Jet<N> re = u, im = v;
-      for (Index k = 1; k <= waves; ++k) {
-        for (std::size_t j = 0; j < terms_.size(); ++j) {
-          if (terms_[j].rows() <= 2 * k) continue;
-          for (int x = 0; x < 3; ++x) sums[j].x[x] += terms_[j](2 * k - 1, x) * re + terms_[j](2 * k, x) * im;
+namespace {
+
+/// Taylor coefficients of order N at (u, v), as of a Jet. A harmonic polynomial is the real part of one of z = u + i v, whose Taylor
+/// coefficients Horner's scheme makes; then follow those of the powers of 1 - u^2 - v^2. P: a number or a pack.
+template <int N, class P>
+TRIPATCH_ANY_PACK void round_jet(const std::vector<Harmonic>& terms, const P& u, const P& v, P (&out)[jet_size(N)][3]) {
+  const P beside_rim = 1.0 - (u * u + v * v);
+  for (int axis = 0; axis < 3; ++axis) {
+    P sum[jet_size(N)] = {};
+    for (std::size_t j = terms.size(); j-- > 0;) {
+      const Harmonic& term = terms[j];
+      P real[N + 1] = {}, imaginary[N + 1] = {};
+      for (Index k = (term.rows() - 1) / 2; k >= 0; --k) {
+        for (int d = N; d >= 0; --d) {
+          const P turned = real[d] * v + imaginary[d] * u;
+          real[d] = real[d] * u - imaginary[d] * v;
+          imaginary[d] = turned;
+          if (d == 0) continue;
+          real[d] += real[d - 1];
+          imaginary[d] += imaginary[d - 1];
         }
-        const Jet<N> next = re * u - im * v;
-        im = re * v + im * u;
-        re = next;
+        real[0] += term(k > 0 ? 2 * k - 1 : 0, axis);
+        if (k > 0) imaginary[0] -= term(2 * k, axis);
       }
-      const Jet<N> w = 1.0 - (u * u + v * v);
-      JetPoint<N> p;
-      for (std::size_t j = terms_.size(); j-- > 0;)
-        for (int x = 0; x < 3; ++x) p.x[x] = w * p.x[x] + sums[j].x[x];
-      out = store(p, out);
+      for (int d = N; d >= 0; --d) {
+        double choose = 1;  // d of b, b = 0, 1, ...
+        for (int b = 0; b <= d; choose = choose * (d - b) / (b + 1), ++b) {
+          const int a = d - b;
+          P& own = sum[jet_index(a, b)];
+          own *= beside_rim;
+          if (a > 0) own -= 2.0 * u * sum[jet_index(a - 1, b)];
+          if (b > 0) own -= 2.0 * v * sum[jet_index(a, b - 1)];
+          if (a > 1) own -= sum[jet_index(a - 2, b)];
+          if (b > 1) own -= sum[jet_index(a, b - 2)];
+          const P turned = b % 2 == 0 ? real[d] : imaginary[d];  // times i^b, its real part
+          own += (b % 4 == 1 || b % 4 == 2 ? -choose : choose) * turned;
+        }
+      }
     }
+    for (int d = 0; d < jet_size(N); ++d) out[d][axis] = sum[d];
+  }
+}
+
+template <int N>
+void round_jets(const std::vector<Harmonic>& terms, const double* b, Index n, double* out) {
+  double jet[jet_size(N)][3];
+  for (Index row = 0; row < n; ++row) {
+    round_jet<N, double>(terms, b[3 * row], b[3 * row + 1], jet);
+    out = std::copy_n(&jet[0][0], 3 * jet_size(N), out);
+  }
+}
+
+#ifdef TRIPATCH_PACKS
+/// The same bits, of four places at once.
+template <int N>
+TRIPATCH_PACKED void round_jets_packed(const std::vector<Harmonic>& terms, const double* b, Index n, double* out) {
+  constexpr int size = 3 * jet_size(N);
+  Pack jet[jet_size(N)][3];
+  for (Index row = 0; row < n; row += lanes) {
+    Pack u{}, v{};
+    for (Index k = 0; k < lanes; ++k) {
+      const double* const place = b + 3 * std::min(row + k, n - 1);
+      u[k] = place[0], v[k] = place[1];
+    }
+    round_jet<N, Pack>(terms, u, v, jet);
+    for (Index k = 0; k < std::min<Index>(lanes, n - row); ++k)
+      for (int d = 0; d < size; ++d) out[size * (row + k) + d] = jet[d / 3][d % 3][k];
+  }
+}
+#endif
+
+}  // namespace
+
+void RoundSurface::evaluate(const double* b, Index n, int order, double* out) const {
+  with_order<0, max_order>(order, [&](auto constant) {
+#ifdef TRIPATCH_PACKS
+    if (has_packs()) return round_jets_packed<constant.value>(terms_, b, n, out);
+#endif
+    round_jets<constant.value>(terms_, b, n, out);
   });
 }
 

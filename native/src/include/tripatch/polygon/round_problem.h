@@ -15,13 +15,14 @@ namespace tripatch {
 template <class F>
 Harmonic fourier(const F& f, int order) {
   const int samples = 4 * order + 8;
+  std::vector<Vec2> circle;
+  for (int s = 0; s < samples; ++s) circle.push_back(on_circle(static_cast<double>(s) / samples));
   Harmonic out = Harmonic::Zero(2 * order + 1, 3);
   for (int s = 0; s < samples; ++s) {
-    const double t = static_cast<double>(s) / samples;
-    const Vec3 value = f(t) / samples;
+    const Vec3 value = f(static_cast<double>(s) / samples) / samples;
     out.row(0) += value;
     for (int k = 1; k <= order; ++k) {
-      const Vec2 wave = on_circle(k * t);
+      const Vec2& wave = circle[static_cast<std::size_t>(k * s % samples)];
       out.row(2 * k - 1) += 2 * wave[0] * value;
       out.row(2 * k) += 2 * wave[1] * value;
     }
