@@ -66,26 +66,31 @@ struct AcrossRim {
   std::vector<double> t, bend;  // places along it; bend: normal curvature across
 };
 
-/// Corners put in many ways, each vertex seen where it is far from them. backwards: what is read together, and where it begins, as of the
-/// same rim in a mirror.
+/// Corners put in many ways, each vertex seen where it is far from them: in the middle of the first side, or of each if they are alike.
+/// backwards: what is read together, and where it begins, as of the same rim in a mirror.
 AcrossRim seen_in_sides(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim, bool backwards,
                         ClosedSide& out) {
   const Index n = static_cast<Index>(rim.size());
   std::vector<SideForm> seen(n);
-  const Index ways = std::min(n, max_placements), third = n / 3;
+  const Index third = n / 3, sides = n % 3 == 0 ? 3 : 1, own = n / sides, ways = std::min(own, max_placements / sides);
   for (Index p = 0; p < ways; ++p) {
     // the vertices from `first` on in the middle of the side from corner 0 to 1
-    const Index first = p * n / ways, last = (p + 1) * n / ways, before = (third - (last - first)) / 2;
+    const Index first = p * own / ways, last = (p + 1) * own / ways, before = (third - (last - first)) / 2;
     const Index corner = backwards ? before - first - third : first - before;
     Hole hole;
     for (Index j = 0; j < n; ++j) hole.rim.push_back(rim[(corner + j + 2 * n) % n]);
     hole.corners = {0, third, backwards ? third + n - 2 * n / 3 : 2 * n / 3};
     const MeshSides three = mesh_sides(mesh, around, hole);
     out.surroundings_error = std::max(out.surroundings_error, three.surroundings_error);
-    out.side.curvature_error = std::max(out.side.curvature_error, three.sides[2].curvature_error);
-    for (Index k = first; k < last; ++k) {
-      const Index place = before + k - first;  // from corner 0 on, in a mirror from corner 1 back
-      seen[backwards ? (n - k) % n : k] = side_form(three.sides[2], three.parameters[2][backwards ? third - place : place]);
+    for (Index side = 0; side < sides; ++side) {
+      const Index opposite = backwards ? 2 - side : (side + 2) % 3;
+      out.side.curvature_error = std::max(out.side.curvature_error, three.sides[opposite].curvature_error);
+      for (Index k = first; k < last; ++k) {
+        const Index place = before + k - first;  // from where the side begins, in a mirror from where it ends
+        const Index at = k + side * third;
+        seen[backwards ? (n - at) % n : at] =
+            side_form(three.sides[opposite], three.parameters[opposite][backwards ? third - place : place]);
+      }
     }
   }
   AcrossRim across;
