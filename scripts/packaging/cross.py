@@ -138,7 +138,8 @@ def toolchain(platform: Platform) -> Path:
     for name, command in tools.items():
         tool = folder / name
         more = " $TRIPATCH_CROSS_FLAGS" if command.startswith("c") else ""  # -O1, for a trial
-        content = f'#!/bin/sh\n{caches} exec {ZIG} {command} "$@"{more}\n'
+        # CMake asks what compiler this is by linking a program, for which zig compiles a C++ library that no module takes
+        content = f'#!/bin/sh\ncase "$*" in *CompilerId.c*) set -- -c "$@";; esac\n{caches} exec {ZIG} {command} "$@"{more}\n'
         if not tool.exists() or tool.read_text() != content:
             tool.write_text(content)
             tool.chmod(0o755)
@@ -150,6 +151,7 @@ def toolchain(platform: Platform) -> Path:
         "CMAKE_AR": folder / "ar",
         "CMAKE_RANLIB": folder / "ranlib",
         "CMAKE_FIND_ROOT_PATH_MODE_PROGRAM": "NEVER",
+        "CMAKE_TRY_COMPILE_TARGET_TYPE": "STATIC_LIBRARY",
         "CMAKE_MODULE_LINKER_FLAGS_INIT": "-s",
     }
     if platform.system == "Windows":  # else CMake links uuid and others, which zig would have to compile: minutes for nothing
