@@ -15,6 +15,7 @@
 #include "tripatch/fill/merged_rims.h"
 #include "tripatch/fill/requested_fill.h"
 #include "tripatch/fill/rows_fill.h"
+#include "tripatch/fill/select.h"
 #include "tripatch/fill/triangle_fill.h"
 #include "tripatch/hole/extra_face.h"
 #include "tripatch/hole/near_duplicate_borders.h"
@@ -23,6 +24,7 @@
 #include "tripatch/isometry/isometric_fill.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/mesh/edge_key.h"
 #include "tripatch/output/leaned.h"
 #include "tripatch/output/shaped.h"
@@ -101,11 +103,30 @@ void tell_odd(const FillOptions& options, Fill& fill) {
   if (triangles == 1) fill.report.warnings.push_back({Code::one_triangle});
 }
 
+/// Vertices of the mesh, or the fill's own where it meets a limit surface.
+Points border_of(const Mesh& mesh, const Fill& fill) {
+  return fill.border.empty() ? Points(mesh.vertices(fill.rim, Eigen::all)) : Points(fill.vertices(fill.border, Eigen::all));
+}
+
+/// A patch that nobody shapes by hand states its expected error: the root mean square of deviations that grow with the distance from the
+/// border.
+void state_deviation(const Mesh& mesh, const FillOptions& options, Fill& fill) {
+  const bool tells = options.fairing == Fairing::automatic && !fill.report.fairing.empty() && !is_shaped_by_hand(options);
+  if (fill.deviation.size() > 0 || fill.vertices.rows() == 0 || !fill.patch || !tells) return;
+  const Points border = border_of(mesh, fill);
+  const double size = diameter(mesh, fill.rim);
+  Eigen::VectorXd away(fill.vertices.rows());  // over the diameter
+  for (Index k = 0; k < away.size(); ++k)
+    away[k] = (border.rowwise() - fill.vertices.row(k)).rowwise().stableNorm().minCoeff() / std::max(size, tolerance::tiny);
+  fill.deviation = expected_error(fill, size) / std::max(root_mean_square(away), tolerance::tiny) * away;
+  fill.report.deviation_max = fill.deviation.maxCoeff();
+}
+
 /// How far the patch is from the vertices of the border that it is to meet. Told if that turns its edges by more than the surroundings are
 /// known. A surface that continues all of them states its error instead.
 void measure_gap(const Mesh& mesh, Fill& fill) {
   const bool own = !fill.border.empty(), plane = fill.rim_barycentric.rows() == 0;
-  const Points met = own ? Points(fill.vertices(fill.border, Eigen::all)) : Points(mesh.vertices(fill.rim, Eigen::all));
+  const Points met = border_of(mesh, fill);
   const Points places = plane ? as_rows(own ? PlanePoints(fill.uv(fill.border, Eigen::all)) : fill.rim_uv)
                         : own ? Points(fill.barycentric(fill.border, Eigen::all))
                               : fill.rim_barycentric;
@@ -128,6 +149,7 @@ Fill fill_by_method(const FillContext& context, const std::optional<std::vector<
   refuse_if_insisted(context, fill, options);
   tell_odd(options, fill);
   if (fill.patch) measure_gap(context.mesh, fill);
+  state_deviation(context.mesh, options, fill);
   if (report.triangles_folded > 0) tell_turned_over(context.mesh, context.left, fill.rim, report);
   if (report.crosses_itself)
     if (const auto where = place_of_crossing(context.mesh, fill.vertices, fill.faces))

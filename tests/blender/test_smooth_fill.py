@@ -793,7 +793,7 @@ def test_how_well_a_patch_is_known_is_not_told_as_known():
     ob = scenes.add_hole()
     before = len(ob.data.vertices)
     scenes.edit(ob)
-    assert smooth(method="side_vertex", deviation=True, resolution=6) == {"FINISHED"}
+    assert smooth(method="side_vertex", fairing="none", deviation=True, resolution=6) == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     values = np.array([each.value for each in ob.data.attributes["deviation"].data])
     assert (values == -1).sum() == len(values) - before > 0 and not values[values != -1].any()

@@ -186,6 +186,21 @@ TEST_CASE("samples that make no field are refused") {
   CHECK_THROWS_AS(PolyharmonicSpline(at, broken, {}), InvalidArgument);
 }
 
+TEST_CASE("on a smooth surface without noise the deviation is about the error, not many times that") {
+  double logarithms = 0;
+  for (unsigned seed = 1; seed < 9; ++seed) {
+    const PlanePoints at = scattered(150, 0.4, seed), inside = scattered(100, 0, seed + 20) * 0.3;
+    const PolyharmonicSpline field(at, over(at, wave), {{2.5, 3.5, 5.5}, 0.1});
+    Points up = Points::Zero(100, 3);
+    up.col(2).setOnes();
+    const Points error = field.positions(rows_of(inside)) - over(inside, wave);
+    logarithms += std::log(error.col(2).norm() / field.deviation(inside, up).norm()) / 8;
+  }
+  CAPTURE(std::exp(logarithms));
+  CHECK(logarithms > std::log(0.3));
+  CHECK(logarithms < std::log(2));
+}
+
 TEST_CASE("at no places a field has no deviation") {
   const PlanePoints at = scattered(100, 0.4, 9);
   CHECK(PolyharmonicSpline(at, over(at, wave), {{2, 3, 4, 5, 6}, 0.1}).deviation(PlanePoints(0, 2), Points(0, 3)).size() == 0);

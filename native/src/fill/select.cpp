@@ -16,26 +16,17 @@ namespace {
 constexpr double error_by_energy = 5e-4;
 /// Error per radian by which the tangent planes along the boundary are unknown.
 constexpr double error_by_planes = 0.125;
-/// Error of a spline per root mean square of the standard deviation that it states.
-constexpr double error_by_deviation = 0.1;
-/// Error of rows of quads per distance by which they miss the boundary's own vertices.
-constexpr double error_by_missed = 0.25;
 /// Error of plain triangles, which know nothing of the surroundings.
 constexpr double error_of_triangles = 0.1;
 /// Nobody sees less.
 constexpr double negligible = 1e-5;
 
 double stated_error(const Fill& fill, double size) {
-  const Report& report = fill.report;
-  const double by_planes = least_error(report.surroundings_error, size);
-  if (report.method == rows_method) return error_by_missed * root_mean_square(fill.deviation);
+  if (fill.deviation.size() > 0 || fill.report.method == rows_method) return root_mean_square(fill.deviation);
   if (!fill.patch) return error_of_triangles * size;
-  if (report.method == spline_method) {
-    const double share = fill.feature_edges.empty() ? error_by_deviation : 1;  // across creases it is as true as it says
-    return std::hypot(share * root_mean_square(fill.deviation), by_planes);
-  }
   if (fill.vertices.rows() == 0) return 0;
-  return std::hypot(size * error_by_energy * std::sqrt(report.energy_after), by_planes);
+  const double by_energy = size * error_by_energy * std::sqrt(fill.report.energy_after);
+  return std::hypot(by_energy, least_error(fill.report.surroundings_error, size));
 }
 
 auto compared(const Quality& q) { return std::tuple(q.crosses, q.folds, q.exceeds_hole_bounds); }

@@ -27,14 +27,6 @@ PlanePoints inside_rim(const Attempt& result, const PlaneRim& rim) {
   return inside;
 }
 
-/// What the fill errs beyond what it errs next to the rim, the layout hands on to it.
-Eigen::VectorXd with_layout_errors(Eigen::VectorXd deviation, double near_rim, double fed_back) {
-  const double least = near_rim * near_rim, times = 1 / ((1 - fed_back) * (1 - fed_back));
-  for (double& d : deviation)
-    if (d > near_rim) d = std::sqrt(least + times * (d * d - least));
-  return deviation;
-}
-
 }  // namespace
 
 PlaneFill completed(const Attempt& result, const PlaneRim& rim, const Disc& disc) {
@@ -59,7 +51,7 @@ PlaneFill completed(const Attempt& result, const PlaneRim& rim, const Disc& disc
     deviation = result.met->deviation_left(places.topRows(deviation.rows()), deviation, at_met);
   }
   const double near_rim = deviation.tail(inside.rows()).norm() / std::sqrt(static_cast<double>(inside.rows()));
-  fill.deviation = with_layout_errors(deviation.head(added), near_rim, result.fed_back);
+  fill.deviation = deviation.head(added) / (1 - result.fed_back);  // the layout hands errors of the fill on to it
   const Eigen::VectorXd spread = result.second ? spread_of_models(result) : result.spread;
   if (spread.size() > 0) fill.deviation = (fill.deviation.cwiseAbs2() + spread).cwiseSqrt();
   fill.fed_back = result.fed_back;

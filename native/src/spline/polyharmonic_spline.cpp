@@ -3,17 +3,30 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <set>
 #include <utility>
 
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/dense_kernels.h"
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/tolerances.h"
+#include "tripatch/spline/contrasts.h"
 
 namespace tripatch {
+
+/// Those that tell the order of a surface.
+struct DecidingSamples {
+  DecidingSamples(Index count, double length) : places(count, 2), samples(count, 3), unit(length) {}
+
+  PlanePoints places;  ///< normalised
+  Points samples;      ///< by the origin and in units
+  double unit;
+  std::map<double, Likelihood> known;  ///< of the orders asked for
+};
+
 namespace {
 
-using Eigen::ArrayXXd;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -31,109 +44,13 @@ constexpr double tempering = 0.1;
 /// orders, which overshoot least, are taken instead of the likeliest. Noise of 0.02 edges has to stay below it: at 0.03 fills of known
 /// surfaces with it are 6% farther and their deviations too large, from 0.036 to 0.05 real ones are the same.
 constexpr double rough_noise = 0.04;
-/// Standard deviations are those of so many samples at most: the time grows with their square.
-constexpr Index deviation_samples = 120;
-/// And of so many points at once: 20 ms, and 4 MB for each of a few matrices.
+/// Standard deviations of so many points at once: 20 ms, and 4 MB for each of a few matrices.
 constexpr Index points_at_once = 4096;
-/// Where one order is left its own deviation knows nothing of the others: this share of the distance to the surface of the next lower
-/// order is an error too. On 35 known surfaces without noise 94% of the vertices were within two deviations without it, where a hill
-/// lies in the hole 18%; with it 99.6%, and 100%.
-constexpr double order_error = 0.5;
+/// The true surface may be smoother than this one by so many orders. On 126 known surfaces without noise 72% of the vertices are within one
+/// deviation with two, 77% with one; a third makes no difference.
+constexpr int smoother = 2;
 /// Orders with less than this share are left out of the average.
 constexpr double min_share = 0.02;
-
-/// Monomials up to the order's degree at points, n x q.
-MatrixXd monomials(const PlanePoints& c, double order) {
-  const int d = free_degree_of(order);
-  MatrixXd u = MatrixXd::Ones(c.rows(), d + 1), v = u;
-  for (int k = 1; k <= d; ++k) {
-    u.col(k) = u.col(k - 1).cwiseProduct(c.col(0));
-    v.col(k) = v.col(k - 1).cwiseProduct(c.col(1));
-  }
-  MatrixXd out(c.rows(), free_polynomials(order));
-  int column = 0;
-  for (int i = 0; i <= d; ++i)
-    for (int j = 0; i + j <= d; ++j, ++column) out.col(column) = u.col(i).cwiseProduct(v.col(j));
-  return out;
-}
-
-/// a b for a symmetric a (n, n), all of which is there, and b (n, k).
-MatrixXd symmetric_times(const MatrixXd& a, const MatrixXd& b) {
-  constexpr Index four = 4;
-  const Index n = a.rows(), k = b.cols(), padded = (k + four - 1) / four * four;
-  MatrixXd from = MatrixXd::Zero(n, padded), out(n, padded);
-  from.leftCols(k) = b;
-  for (Index j = 0; j < padded; j += four) multiply_four(from.col(j).data(), n, a.data(), n, out.col(j).data(), n);
-  return out.leftCols(k);
-}
-
-/// The kernel among samples, seen through contrasts: combinations of samples in which polynomials cancel. Polynomials themselves
-/// are given the kernel's mean variance in it, so that it is definite, and stay apart from contrasts.
-struct Contrasts {
-  /// apart: distances among the samples' places c.
-  Contrasts(const PlanePoints& c, const PlaneDistances& apart, double order)
-      : q(free_polynomials(order)), inner(polyharmonic_kernel(order, apart)) {
-    OrthonormalColumns polynomials = orthonormal_columns(monomials(c, order), false);
-    basis = std::move(polynomials.basis);
-    triangle = std::move(polynomials.triangle);
-    along = symmetric_times(inner, basis);
-    MatrixXd turned = along;
-    const MatrixXd within = basis.transpose() * turned;
-    const double trace = inner.trace() - 2 * within.trace() + within.trace();
-    unit = trace / static_cast<double>(c.rows() - q);
-    turned -= 0.5 * basis * (within + unit * MatrixXd::Identity(q, q));
-    take_from_inner(turned);
-  }
-  /// Without their polynomial part.
-  MatrixXd of(const MatrixXd& samples) const { return samples - basis * (basis.transpose() * samples); }
-  /// The lower Cholesky factor of what is among contrasts with noise; false where it is not definite.
-  bool factor(double nugget, MatrixXd& lower) const {
-    lower = MatrixXd(inner);  // its own memory first: where there is none, lower must not be left without
-    lower.diagonal().array() += nugget;
-    return factor_cholesky(lower);
-  }
-  /// The weights of the kernel with samples.
-  MatrixXd weights(const MatrixXd& lower, const MatrixXd& samples) const {
-    MatrixXd x = of(samples);
-    lower.triangularView<Eigen::Lower>().solveInPlace(x);
-    lower.triangularView<Eigen::Lower>().transpose().solveInPlace(x);
-    return of(x);
-  }
-  /// The polynomial next to the weights.
-  MatrixXd polynomial(const MatrixXd& weights, const MatrixXd& samples) const {
-    return triangle.triangularView<Eigen::Upper>().solve(basis.transpose() * samples - along.transpose() * weights);
-  }
-
-  Index q;
-  MatrixXd inner;            // the kernel, of which contrasts see the lower half
-  MatrixXd basis, triangle;  // of the polynomials at the samples: orthonormal, and the monomials by it
-  MatrixXd along;            // the kernel times the basis
-  double unit = 0;           // mean eigenvalue of the kernel among contrasts
-
-private:
-  /// The basis times `turned` by columns of samples, and that the other way round; above the diagonal stays what was there, or less.
-  void take_from_inner(const MatrixXd& turned) {
-    constexpr Index four = 4;
-    const Index n = inner.rows();
-    MatrixXd left(n, 2 * q), taken(n, four), across(2 * q, four);
-    left << basis, turned;
-    for (Index from = 0; from < n; from += four) {
-      const Index own = std::min(four, n - from);
-      across.setZero();
-      across.topLeftCorner(q, own) = turned.middleRows(from, own).transpose();
-      across.bottomLeftCorner(q, own) = basis.middleRows(from, own).transpose();
-      multiply_four(across.data(), 2 * q, left.data(), n, taken.data(), n);
-      for (Index k = 0; k < own; ++k) inner.col(from + k).tail(n - from) -= taken.col(k).tail(n - from);
-    }
-  }
-};
-
-struct Likelihood {
-  double logarithm = -std::numeric_limits<double>::infinity();
-  double decade = 0;    // of the nugget
-  double nugget = 0;    // over the kernel's unit
-  double variance = 0;  // of the kernel's unit
-};
 
 /// The logarithm of so many pivots is taken at once: between a nugget of rounding and one that is all noise they are numbers.
 constexpr Index logarithm_of = 4;
@@ -190,8 +107,8 @@ struct OrderFound {
   Likelihood likelihood;
 };
 
-std::vector<OrderFound> orders_found(const PlanePoints& points, const MatrixXd& samples, const std::vector<double>& orders,
-                                     MatrixXd& room) {
+std::vector<OrderFound> orders_found(const DecidingSamples& deciding, const std::vector<double>& orders, MatrixXd& room) {
+  const PlanePoints& points = deciding.places;
   const Index n = points.rows();
   const PlaneDistances apart(points, points);
   std::vector<OrderFound> found;
@@ -199,10 +116,36 @@ std::vector<OrderFound> orders_found(const PlanePoints& points, const MatrixXd& 
     if (order != orders.front() && free_polynomials(order) > n / 3) continue;
     if (free_polynomials(order) >= n) continue;
     found.push_back({order, Contrasts(points, apart, order), {}});
-    found.back().likelihood = likelihood_of(found.back().contrasts, samples, room);
+    const auto known = deciding.known.find(order);
+    found.back().likelihood =
+        known != deciding.known.end() ? known->second : likelihood_of(found.back().contrasts, deciding.samples, room);
   }
   if (found.empty()) found.push_back({2, Contrasts(points, apart, 2), {0, 0, 0, 0}});  // a handful of samples: a plane
   return found;
+}
+
+double most_likely(const std::vector<OrderFound>& found) {
+  double most = -std::numeric_limits<double>::infinity();
+  for (const OrderFound& each : found) most = std::max(most, each.likelihood.logarithm);
+  return most;
+}
+
+/// How likely each order is.
+std::vector<double> shares_of(const std::vector<OrderFound>& found, Index samples) {
+  const double most = most_likely(found), temperature = tempering * static_cast<double>(samples);
+  std::vector<double> shares;
+  double sum = 0;
+  for (const OrderFound& each : found) shares.push_back(std::exp((each.likelihood.logarithm - most) / temperature));
+  for (const double share : shares) sum += share;
+  for (double& share : shares) share /= sum;
+  return shares;
+}
+
+/// roughness: so much of the lowest two orders instead of the likeliest.
+void take_lowest(double roughness, std::vector<double>& shares) {
+  const std::size_t low = std::min<std::size_t>(2, shares.size());
+  for (std::size_t k = 0; k < shares.size(); ++k)
+    shares[k] = (1 - roughness) * shares[k] + (k < low ? roughness / static_cast<double>(low) : 0);
 }
 
 /// The directions in which points about 0 are spread most and least, in columns: their monomials are distinguished in a narrow strip too,
@@ -233,7 +176,7 @@ void fit_all(PolyharmonicSpline::Part& part, const Contrasts& contrasts, const P
   const MatrixXd kernel = polyharmonic_kernel(part.order, PlaneDistances(centers, places));
   RowMajor known = contrasts.of(kernel);
   solve_lower_triangular(lower, known);
-  const OrthonormalColumns polynomials = orthonormal_columns(monomials(places, part.order), false);
+  const OrthonormalColumns polynomials = orthonormal_columns(free_monomials(places, part.order), false);
   const MatrixXd& basis = polynomials.basis;
   RowMajor rows(n, m + 3);
   rows << known.transpose(), samples;
@@ -259,6 +202,57 @@ void fit_all(PolyharmonicSpline::Part& part, const Contrasts& contrasts, const P
                                                                               (samples - kernel.transpose() * part.weights));
 }
 
+/// A field of one order through, or near, the samples that decide.
+struct FieldOfOrder {
+  PolyharmonicSpline::Part part;
+  Contrasts contrasts;
+  MatrixXd lower;  // as Contrasts::factor makes it
+  PolyharmonicSum sum;
+
+  VectorXd heights(const PlanePoints& at, const Points& directions) const {
+    return sum.values(at).cwiseProduct(directions).rowwise().sum();
+  }
+  /// apart: distances of the samples' places from there.
+  VectorXd variance(const PlanePoints& at, const PlaneDistances& apart) const {
+    const MatrixXd free = free_monomials(at, part.order), kernel = polyharmonic_kernel(part.order, apart);
+    // the polynomial through the samples that is nearest, and the contrast of a point with it
+    const MatrixXd own_share = contrasts.triangle.transpose().triangularView<Eigen::Lower>().solve(free.transpose());
+    const MatrixXd nearest = contrasts.basis * own_share;
+    const MatrixXd among = (contrasts.along + part.used_nugget * contrasts.basis) * own_share;
+    const VectorXd own = nearest.cwiseProduct(among - 2 * kernel).colwise().sum().transpose();
+    RowMajor known = contrasts.of(kernel - among);
+    solve_lower_triangular(lower, known);
+    return part.variance * (own - known.colwise().squaredNorm().transpose()).cwiseMax(0);
+  }
+};
+
+/// Of each order that the true surface may have, with its share.
+std::vector<FieldOfOrder> possible_fields(const DecidingSamples& deciding, double roughness) {
+  std::set<double> orders;
+  for (const auto& [order, likelihood] : deciding.known)
+    for (int more = 0; more <= smoother; ++more) orders.insert(order + more);
+  MatrixXd room;
+  std::vector<OrderFound> found = orders_found(deciding, {orders.begin(), orders.end()}, room);
+  std::vector<double> shares = shares_of(found, deciding.places.rows());
+  take_lowest(roughness, shares);
+  std::vector<FieldOfOrder> fields;
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    auto& [order, contrasts, likelihood] = found[k];
+    if (shares[k] < min_share && !deciding.known.contains(order)) continue;
+    PolyharmonicSpline::Part part;
+    part.order = order;
+    part.share = shares[k];
+    part.nugget = likelihood.nugget;
+    part.variance = likelihood.variance;
+    MatrixXd lower;
+    fit(part, contrasts, deciding.samples, lower);
+    PolyharmonicSum sum(deciding.places);
+    sum.add(order, 1, part.weights, part.polynomial);
+    fields.push_back({std::move(part), std::move(contrasts), std::move(lower), std::move(sum)});
+  }
+  return fields;
+}
+
 }  // namespace
 
 PolyharmonicSpline::PolyharmonicSpline(const PlanePoints& points, const Points& samples, const FieldOptions& options) {
@@ -275,23 +269,22 @@ PolyharmonicSpline::PolyharmonicSpline(const PlanePoints& points, const Points& 
   origin_ = samples.colwise().mean();
   const Points local = samples.rowwise() - origin_;
   const Index few = std::min(centers, deciding_samples);
-  PlanePoints at(few, 2);
-  Points values(few, 3);
+  auto deciding = std::make_shared<DecidingSamples>(few, options.unit);
   for (Index k = 0; k < few; ++k) {
-    at.row(k) = points_.row(k * centers / few);
-    values.row(k) = local.row(k * centers / few);
+    deciding->places.row(k) = points_.row(k * centers / few);
+    deciding->samples.row(k) = local.row(k * centers / few) / options.unit;
   }
   MatrixXd room;
-  const std::vector<OrderFound> found = orders_found(at, values / options.unit, options.orders, room);
-  double most = -std::numeric_limits<double>::infinity();
-  for (const OrderFound& each : found) most = std::max(most, each.likelihood.logarithm);
-  if (!std::isfinite(most)) throw InvalidArgument("the points of a field lie on a line");
-  likelihood_ = most;
-  const double temperature = tempering * static_cast<double>(few);
+  const std::vector<OrderFound> found = orders_found(*deciding, options.orders, room);
+  for (const OrderFound& each : found) deciding->known[each.order] = each.likelihood;
+  deciding_ = deciding;
+  likelihood_ = most_likely(found);
+  if (!std::isfinite(likelihood_)) throw InvalidArgument("the points of a field lie on a line");
+  const std::vector<double> shares = shares_of(found, few);
   for (const auto& [order, contrasts, likelihood] : found) {
     Part part;
     part.order = order;
-    part.share = std::exp((likelihood.logarithm - most) / temperature);
+    part.share = shares[parts_.size()];
     part.nugget = likelihood.decade <= exact_nugget ? 0 : likelihood.nugget;
     part.variance = likelihood.variance * options.unit * options.unit;
     parts_.push_back(std::move(part));
@@ -317,29 +310,22 @@ PlanePoints PolyharmonicSpline::normalised(const PlanePoints& points) const {
 }
 
 void PolyharmonicSpline::weigh(double unit) {
-  double sum = 0;
+  double noise = 0, sum = 0;
+  std::vector<double> shares;
+  for (const Part& part : parts_) {
+    noise += part.share * std::sqrt(part.nugget * part.variance);
+    shares.push_back(part.share);
+  }
+  roughness_ = 1 - 1 / (1 + std::pow(noise / (rough_noise * unit), 4));
+  take_lowest(roughness_, shares);
+  for (std::size_t k = 0; k < parts_.size(); ++k) parts_[k].share = shares[k];
+  std::erase_if(parts_, [](const Part& part) { return part.share < min_share; });
   for (const Part& part : parts_) sum += part.share;
-  for (Part& part : parts_) part.share /= sum;
-  hedge(unit);
   for (Part& part : parts_) {
+    part.share /= sum;
     noise_ += part.share * std::sqrt(part.nugget * part.variance);
     mean_order_ += part.share * part.order;
   }
-}
-
-void PolyharmonicSpline::hedge(double unit) {
-  double noise = 0, sum = 0;
-  for (const Part& part : parts_) noise += part.share * std::sqrt(part.nugget * part.variance);
-  const double smooth = 1 / (1 + std::pow(noise / (rough_noise * unit), 4));
-  roughness_ = 1 - smooth;
-  const Index low = std::min<Index>(2, static_cast<Index>(parts_.size()));
-  for (std::size_t k = 0; k < parts_.size(); ++k) {
-    parts_[k].share *= smooth;
-    if (static_cast<Index>(k) < low) parts_[k].share += (1 - smooth) / static_cast<double>(low);
-  }
-  std::erase_if(parts_, [](const Part& part) { return part.share < min_share; });
-  for (const Part& part : parts_) sum += part.share;
-  for (Part& part : parts_) part.share /= sum;
 }
 
 template <int N>
@@ -416,73 +402,29 @@ void PolyharmonicSpline::evaluate(const double* b, Index n, int order, double* o
     for (int axis = 0; axis < 3; ++axis) out[k * stride + axis] += origin_[axis];
 }
 
-PolyharmonicSum PolyharmonicSpline::alone(const Part& part) const {
-  PolyharmonicSum sum(points_);
-  sum.add(part.order, 1, part.weights, part.polynomial);
-  return sum;
-}
-
 VectorXd PolyharmonicSpline::deviation(const PlanePoints& points, const Points& directions) const {
   if (points.rows() == 0) return {};  // Eigen solves for no columns at a null pointer
-  if (points.rows() > points_at_once) {
-    VectorXd all(points.rows());
-    for (Index k = 0; k < all.size(); k += points_at_once) {
-      check_interruption();
-      const Index count = std::min(points_at_once, all.size() - k);
-      all.segment(k, count) = deviation(points.middleRows(k, count), directions.middleRows(k, count));
-    }
-    return all;
-  }
+  const std::vector<FieldOfOrder> fields = possible_fields(*deciding_, roughness_);
   const PlanePoints at = normalised(points);
-  const Index n = points_.rows(), few = std::min(n, deviation_samples);
-  PlanePoints some(few, 2);
-  for (Index k = 0; k < few; ++k) some.row(k) = points_.row(k * n / few);
-  VectorXd variance = VectorXd::Zero(points.rows());
-  MatrixXd each(points.rows(), static_cast<Index>(parts_.size()));
-  const PlaneDistances among_some(some, some), from_some(some, at);
-  MatrixXd lower;
-  for (std::size_t p = 0; p < parts_.size(); ++p) {
-    const Part& part = parts_[p];
-    const Contrasts contrasts(some, among_some, part.order);
-    contrasts.factor(part.used_nugget, lower);
-    const MatrixXd free = monomials(at, part.order), kernel = polyharmonic_kernel(part.order, from_some);
-    // the polynomial through the samples that is nearest, and the contrast of a point with it
-    const MatrixXd own_share = contrasts.triangle.transpose().triangularView<Eigen::Lower>().solve(free.transpose());
-    const MatrixXd nearest = contrasts.basis * own_share;
-    const MatrixXd among = (contrasts.along + part.used_nugget * contrasts.basis) * own_share;
-    const VectorXd own = nearest.cwiseProduct(among - 2 * kernel).colwise().sum().transpose();
-    RowMajor known = contrasts.of(kernel - among);
-    solve_lower_triangular(lower, known);
-    const VectorXd left = (own - known.colwise().squaredNorm().transpose()).cwiseMax(0);
-    variance += part.share * part.variance * left;
-    each.col(static_cast<Index>(p)) = alone(part).values(at).cwiseProduct(directions).rowwise().sum();
+  VectorXd variance = VectorXd::Zero(at.rows());
+  for (Index first = 0; first < at.rows(); first += points_at_once) {
+    check_interruption();
+    const Index count = std::min(points_at_once, at.rows() - first);
+    const PlanePoints some = at.middleRows(first, count);
+    const PlaneDistances apart(deciding_->places, some);
+    MatrixXd heights(count, static_cast<Index>(fields.size()));
+    VectorXd surface = VectorXd::Zero(count);  // this one, by the same samples as the others
+    for (std::size_t k = 0; k < fields.size(); ++k) {
+      const auto own = std::ranges::find(parts_, fields[k].part.order, &Part::order);
+      heights.col(static_cast<Index>(k)) = fields[k].heights(some, directions.middleRows(first, count));
+      if (own != parts_.end()) surface += own->share * heights.col(static_cast<Index>(k));
+    }
+    for (std::size_t k = 0; k < fields.size(); ++k) {
+      const VectorXd off = heights.col(static_cast<Index>(k)) - surface;
+      variance.segment(first, count) += fields[k].part.share * (fields[k].variance(some, apart) + off.cwiseAbs2());
+    }
   }
-  VectorXd mean = VectorXd::Zero(at.rows());
-  for (std::size_t p = 0; p < parts_.size(); ++p) mean += parts_[p].share * each.col(static_cast<Index>(p));
-  for (std::size_t p = 0; p < parts_.size(); ++p)
-    variance += parts_[p].share * (each.col(static_cast<Index>(p)) - mean).cwiseAbs2();
-  const auto main =
-      std::max_element(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.share < b.share; });
-  const Points other = by_another_order(*main, some, among_some, at);
-  if (other.rows() > 0) {
-    const VectorXd apart_from = other.cwiseProduct(directions).rowwise().sum() - each.col(main - parts_.begin());
-    variance += (order_error * apart_from).cwiseAbs2();
-  }
-  return variance.cwiseSqrt();
-}
-
-Points PolyharmonicSpline::by_another_order(const Part& part, const PlanePoints& some, const PlaneDistances& among_some,
-                                            const PlanePoints& at) const {
-  const double order = part.order > 2.5 ? std::max(2.5, part.order - 2) : 3.5;
-  if (free_polynomials(order) >= some.rows()) return Points(0, 3);
-  const Points samples = alone(part).values(some);
-  const Contrasts contrasts(some, among_some, order);
-  MatrixXd lower;
-  if (!contrasts.factor(std::pow(10, lowest_nugget + 1) * contrasts.unit, lower)) return Points(0, 3);
-  const MatrixXd weights = contrasts.weights(lower, samples);
-  PolyharmonicSum other(some);
-  other.add(order, 1, weights, contrasts.polynomial(weights, samples));
-  return other.values(at);
+  return deciding_->unit * variance.cwiseSqrt();
 }
 
 }  // namespace tripatch

@@ -6,6 +6,7 @@
 //     nearly as likely are averaged.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -25,6 +26,8 @@ struct FieldOptions {
   Index centers = 1500;
 };
 
+struct DecidingSamples;
+
 /// A surface over a plane: rows of Surface::evaluate are (u, v, not read), derivatives are by (u, v).
 class PolyharmonicSpline final : public Surface {
 public:
@@ -34,8 +37,8 @@ public:
 
   void evaluate(const double* b, Index n, int order, double* out) const override;
 
-  /// Standard deviation at points, scene units, of the surface along the directions (n x 3, of unit length): that of the field
-  /// given the samples, and the spread of the averaged orders, or half the distance to another order where only one is likely.
+  /// Standard deviation at points, scene units, of the true surface along the directions (n x 3, of unit length). The true surface is
+  /// a field of each order, or of a higher one, as likely as the samples tell: it deviates from its mean, and that from this surface.
   Eigen::VectorXd deviation(const PlanePoints& points, const Points& directions) const;
 
   /// Standard deviation of the samples' noise, scene units; 0: the samples are met.
@@ -61,13 +64,7 @@ public:
 private:
   PlanePoints normalised(const PlanePoints& points) const;
   void turn_back(int order, double* jet) const;
-  void weigh(double unit);  ///< the parts, by how likely each is
-  void hedge(double unit);
-  /// Where there is one part: the surface of the order next to it through `some` of its points, at others; no rows where there is none.
-  /// All normalised.
-  Points by_another_order(const Part& part, const PlanePoints& some, const PlaneDistances& among_some,
-                          const PlanePoints& at) const;
-  PolyharmonicSum alone(const Part& part) const;
+  void weigh(double unit);  ///< the parts, whose shares are how likely each is
   template <int N>
   void jets(const Part& part, const double* rows, Index n, double* out) const;
 
@@ -79,6 +76,7 @@ private:
   std::vector<Part> parts_;
   std::optional<PolyharmonicSum> sum_;  // of the parts, by normalised coordinates
   double noise_ = 0, roughness_ = 0, mean_order_ = 0, likelihood_ = 0;
+  std::shared_ptr<const DecidingSamples> deciding_;  // what tells of the orders
 };
 
 }  // namespace tripatch
