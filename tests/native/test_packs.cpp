@@ -5,7 +5,9 @@
 #include "tripatch/constructions/side_vertex.h"
 #include "tripatch/fairing/curvature_variation.h"
 #include "tripatch/fairing/fairing_space.h"
+#include "tripatch/math/parallel.h"
 #include "tripatch/math/triangular_grid.h"
+#include "tripatch/patch/moved_surface.h"
 #include "tripatch/patch/simd.h"
 
 using namespace tripatch;
@@ -90,6 +92,47 @@ TEST_CASE("positions and first derivatives are those that jets of a higher order
       CHECK(off < 1e-13 * boundary.size);
       CHECK(off_slopes < 1e-12 * boundary.size);
     }
+  }
+}
+
+TEST_CASE("positions and normals of many points are those that their derivatives have") {
+  const Boundary boundary = pieces();
+  const std::array<PiecewisePolynomial, 3> slopes = {boundary.ribbons[0].d, boundary.ribbons[1].d, boundary.ribbons[2].d};
+  const double small = 0.02 * boundary.size;
+  const auto added = [&](int degree, int second_cross) {
+    return correction(slopes, degree, second_cross, small * Points::Random(scalars(degree, second_cross), 3));
+  };
+  const SurfacePtr plain = side_vertex(boundary), faired = sum(plain, added(4, 4));
+  const SerialScope serial;
+  for (const SurfacePtr& surface :
+       {plain, faired, sum(faired, added(9, 0)), sum(plain, added(6, 3)), moved(faired, Vec3(1, 2, 3)),
+        curved_side_vertex(boundary), sum(curved_side_vertex(boundary), added(4, 4)),
+        sum(sum(curved_side_vertex(boundary), added(4, 4)), added(9, 0))})
+    for (const Points& b : {scattered(2003), TriangularGrid{60}.barycentric()}) {
+      std::vector<double> jets(9 * b.rows());
+      surface->evaluate(b.data(), b.rows(), 1, jets.data());
+      const auto [positions, normals] = surface->positions_and_normals(b);
+      double off = 0, off_normals = 0;
+      for (Index k = 0; k < b.rows(); ++k) {
+        off = std::max(off, (positions.row(k).transpose() - Vec3::Map(&jets[9 * k])).norm());
+        const Vec3 normal = Vec3::Map(&jets[9 * k + 3]).cross(Vec3::Map(&jets[9 * k + 6])).normalized();
+        const double rho = 1 - b.row(k).maxCoeff();  // the distance from a vertex, by which rounding grows
+        off_normals = std::max(off_normals, std::min(1.0, std::max(rho, 1e-8)) * (normals.row(k).transpose() - normal).norm());
+      }
+      CHECK(off < 1e-13 * boundary.size);
+      CHECK(off_normals < 1e-12);
+      CHECK(normals == surface->normals(b));
+    }
+}
+
+TEST_CASE("many points have the bits that they have among others") {
+  const SurfacePtr surface = side_vertex(pieces());
+  const Index fewer = 1501;
+  for (const Points& b : {scattered(3000), TriangularGrid{75}.barycentric()}) {
+    const auto [positions, normals] = surface->positions_and_normals(b);
+    const auto [last_positions, last_normals] = surface->positions_and_normals(Points(b.bottomRows(fewer)));
+    CHECK(last_positions == positions.bottomRows(fewer));
+    CHECK(last_normals == normals.bottomRows(fewer));
   }
 }
 

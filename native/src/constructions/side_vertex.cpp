@@ -6,12 +6,13 @@ namespace tripatch {
 namespace {
 
 template <RayDegree Degree>
-class SideVertex final : public PackedSurface<SideVertex<Degree>> {
+class SideVertex final : public PackedSurface<SideVertex<Degree>>, public FormulaSurface {
 public:
   explicit SideVertex(const Boundary& boundary)
       : rays_{VertexRay(boundary, 0, Degree), VertexRay(boundary, 1, Degree), VertexRay(boundary, 2, Degree)} {}
 
   Vec3 corner(int i) const override { return rays_[i].corner(i); }
+  const PointFormula* formula() const override { return &formula_; }
 
   template <int N, class P>
   TRIPATCH_ANY_PACK void plane(const P (&b)[3], TangentPlane<N, P>& sum) const {
@@ -33,6 +34,11 @@ public:
 
 private:
   std::array<VertexRay, 3> rays_;
+  PointFormula formula_{[this] {
+    PointTerms terms;
+    for (int i = 0; i < 3; ++i) terms.rays[i] = rays_[i].terms();
+    return terms;
+  }};
 };
 
 }  // namespace

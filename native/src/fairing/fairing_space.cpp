@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 
+#include "tripatch/patch/point_formula.h"
 #include "tripatch/patch/tangent_planes.h"
 
 namespace tripatch {
@@ -43,21 +44,25 @@ Points about_middle(const Points& net, int degree) {
   return out;
 }
 
-class Correction final : public PackedSurface<Correction> {
+class Correction final : public PackedSurface<Correction>, public FormulaSurface {
 public:
   Correction(const std::array<PiecewisePolynomial, 3>& slopes, int degree, int second_cross, const Points& coefficients)
       : degree_(degree),
         bends_(second_cross > 0),
         inside_(about_middle(coefficients.topRows(BezierTriangle::net_size(degree)), degree)) {
-    for (int i = 0; i < 3; ++i) slopes_[i] = PackedField(slopes[i]);
-    if (!bends_) return;
+    terms_.inside = inside_;
     for (int i = 0; i < 3; ++i) {
+      terms_.rays[i].added = slopes[i];  // slope_kernel is that of a cubic ray
+      slopes_[i] = PackedField(slopes[i]);
+      if (!bends_) continue;
       const Points of_side = coefficients.middleRows(inside_.rows() + i * second_cross, second_cross);
-      second_cross_[i] = PackedField(PiecewisePolynomial::bezier({of_side.data(), static_cast<std::size_t>(of_side.size())}, 3));
+      terms_.second_cross[i] = PiecewisePolynomial::bezier({of_side.data(), static_cast<std::size_t>(of_side.size())}, 3);
+      second_cross_[i] = PackedField(terms_.second_cross[i]);
     }
   }
 
   Vec3 corner(int) const { return Vec3::Zero(); }
+  const PointFormula* formula() const override { return &formula_; }
 
   template <int N, class P>
   TRIPATCH_ANY_PACK void plane(const P (&b)[3], TangentPlane<N, P>& sum) const {
@@ -144,6 +149,8 @@ private:
   int degree_;
   bool bends_;     // across the sides, by second_cross_
   Points inside_;  // as about_middle
+  PointTerms terms_;
+  PointFormula formula_{[this] { return terms_; }};
 };
 
 }  // namespace

@@ -1,11 +1,22 @@
 #include "tripatch/patch/moved_surface.h"
 
+#include "tripatch/patch/point_formula.h"
+
 namespace tripatch {
 namespace {
 
-class Moved final : public Surface {
+class Moved final : public Surface, public FormulaSurface {
 public:
-  Moved(SurfacePtr surface, const Vec3& by) : surface_(std::move(surface)), by_(by) {}
+  Moved(SurfacePtr surface, const Vec3& by) : surface_(std::move(surface)), by_(by) {
+    if (const PointFormula* const formula = formula_of(*surface_))
+      formula_ = std::make_unique<const PointFormula>([formula, by] {
+        PointTerms terms = formula->terms();
+        terms.moved_by += by;
+        return terms;
+      });
+  }
+
+  const PointFormula* formula() const override { return formula_.get(); }
 
   void evaluate(const double* b, Index n, int order, double* out) const override {
     surface_->evaluate(b, n, order, out);
@@ -16,6 +27,7 @@ public:
 private:
   SurfacePtr surface_;
   Vec3 by_;
+  std::unique_ptr<const PointFormula> formula_;
 };
 
 class Mirrored final : public Surface {

@@ -11,6 +11,7 @@
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/tolerances.h"
 #include "tripatch/math/unit_vector.h"
+#include "tripatch/patch/point_formula.h"
 
 namespace tripatch {
 namespace {
@@ -34,9 +35,14 @@ void in_blocks(Index n, int order, const F& f) {
   });
 }
 
-class Sum final : public Surface {
+class Sum final : public Surface, public FormulaSurface {
 public:
-  Sum(SurfacePtr a, SurfacePtr b) : a_(std::move(a)), b_(std::move(b)) {}
+  Sum(SurfacePtr a, SurfacePtr b) : a_(std::move(a)), b_(std::move(b)) {
+    const PointFormula *const of_a = formula_of(*a_), *const of_b = formula_of(*b_);
+    if (of_a && of_b) formula_ = std::make_unique<const PointFormula>([=] { return of_a->terms() + of_b->terms(); });
+  }
+
+  const PointFormula* formula() const override { return formula_.get(); }
 
   void evaluate(const double* b, Index n, int order, double* out) const override {
     const Index row = jet_size(order) * 3;
@@ -51,6 +57,7 @@ public:
 
 private:
   SurfacePtr a_, b_;
+  std::unique_ptr<const PointFormula> formula_;
 };
 
 /// Coordinates without gaps between their rows, as evaluate() asks for them.
@@ -101,7 +108,13 @@ std::pair<Points, Points> Surface::positions_and_normals(const PointsRef& b) con
 void Surface::positions_and_normals(const PointsRef& b, double* positions, double* normals) const {
   constexpr Index size = 9;
   const Places places(b);
+  const PointFormula* const formula = formula_of(*this);
+  const bool by_formula = formula && formula->is_worth(b.rows());
   in_blocks(b.rows(), 1, [&](Index first, Index count) {
+    if (by_formula) {
+      double* const to = positions ? positions + 3 * first : nullptr;
+      return formula->evaluate(*this, places.data() + 3 * first, count, to, normals + 3 * first);
+    }
     const auto jets = std::make_unique_for_overwrite<double[]>(count * size);
     evaluate(places.data() + 3 * first, count, 1, jets.get());
     for (Index k = 0; k < count; ++k) {

@@ -13,8 +13,10 @@ PiecewisePolynomial slope_at_side(const Ribbon& ribbon) {
 VertexRay::VertexRay(const Boundary& boundary, int i, RayDegree degree)
     : i_(i),
       degree_(degree),
-      c_(boundary.ribbons[i].c),
-      slope_(slope_at_side(boundary.ribbons[i])),
+      curve_(boundary.ribbons[i].c),
+      side_slope_(slope_at_side(boundary.ribbons[i])),
+      c_(curve_),
+      slope_(side_slope_),
       same_pieces_(c_.has_places_of(slope_)) {
   const auto& ribbons = boundary.ribbons;
   for (int k = 0; k < 3; ++k) corner_[k] = ribbons[(k + 2) % 3].c(0);

@@ -287,6 +287,18 @@ public:
     return p;
   }
 
+#ifdef TRIPATCH_PACKS
+  /// From points with their components to components of points.
+  TRIPATCH_ANY_PACK static void turn(const Pack* p, Pack (&out)[3]) {
+    const Pack xz = __builtin_shufflevector(p[0], p[1], 0, 4, 2, 6), y = __builtin_shufflevector(p[0], p[1], 1, 5, 3, 7);
+    const Pack more_xz = __builtin_shufflevector(p[2], p[3], 0, 4, 2, 6),
+               more_y = __builtin_shufflevector(p[2], p[3], 1, 5, 3, 7);
+    out[0] = __builtin_shufflevector(xz, more_xz, 0, 1, 4, 5);
+    out[1] = __builtin_shufflevector(y, more_y, 0, 1, 4, 5);
+    out[2] = __builtin_shufflevector(xz, more_xz, 2, 3, 6, 7);
+  }
+#endif
+
 private:
   template <int Order>
   void called_series(const Places<double>& at, double (&out)[Order + 1][3]) const {
@@ -356,18 +368,6 @@ private:
     for (int j = 0; j <= Order; ++j)
       for (int x = 0; x < Count; ++x) out[j][x] = sum[j][x];
   }
-
-#ifdef TRIPATCH_PACKS
-  /// From points with their components to components of points.
-  TRIPATCH_ANY_PACK static void turn(const Pack* p, Pack (&out)[3]) {
-    const Pack xz = __builtin_shufflevector(p[0], p[1], 0, 4, 2, 6), y = __builtin_shufflevector(p[0], p[1], 1, 5, 3, 7);
-    const Pack more_xz = __builtin_shufflevector(p[2], p[3], 0, 4, 2, 6),
-               more_y = __builtin_shufflevector(p[2], p[3], 1, 5, 3, 7);
-    out[0] = __builtin_shufflevector(xz, more_xz, 0, 1, 4, 5);
-    out[1] = __builtin_shufflevector(y, more_y, 0, 1, 4, 5);
-    out[2] = __builtin_shufflevector(xz, more_xz, 2, 3, 6, 7);
-  }
-#endif
 
 private:
   int degree_ = 0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tripatch/boundary/ribbon.h"
+#include "tripatch/patch/point_formula.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/patch/tangent_planes.h"
 
@@ -24,6 +25,13 @@ public:
   template <int N>
   JetPoint<N> at(const Barycentric<N>& b) const {
     return at(b[(i_ + 1) % 3] + b[(i_ + 2) % 3], ray_parameter(b, i_));
+  }
+  /// What a formula of points takes of it.
+  PointTerms::Ray terms() const {
+    PointTerms::Ray ray = {curve_, side_slope_, {}, corner_[i_], to_next_, to_previous_};
+    if (degree_ != RayDegree::quintic) return ray;
+    ray.is_quintic = true, ray.vertex_second = vertex_second_, ray.side_second = side_second_;
+    return ray;
   }
   /// From the places on the rays: fraction, 0 at the vertex, and parameter of the side.
   template <int N>
@@ -170,7 +178,8 @@ private:
 
   int i_;
   RayDegree degree_;
-  PackedField c_, slope_;  ///< of the side: its curve and d/ds
+  PiecewisePolynomial curve_, side_slope_;  ///< of the side, and d/ds
+  PackedField c_, slope_;                   ///< the same
   bool same_pieces_;
   std::array<Vec3, 3> corner_;
   Vec3 to_next_, to_previous_;         ///< slopes of the rays along the two sides at the vertex, the inward part included
