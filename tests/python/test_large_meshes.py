@@ -131,7 +131,7 @@ def test_holes_that_nobody_wants_and_refused_ones_are_told_alike(tmp_path):
 def test_islands_and_parts(tmp_path):
     vertices, faces = terrain(30, blocks(30, [(8, 8)], 9))
     small, own = terrain(3, ())
-    small = small + [11, 11, 0.2]
+    small = small + [11, 11, 1.0]  # above: a ring joins it
     faces = [*faces, *([v + len(vertices) for v in f] for f in own)]
     _, lines = assert_same(tmp_path, ply(np.concatenate([vertices, small]), faces))
     assert lines[1]["method"] == "annulus"

@@ -367,12 +367,14 @@ struct Sums {
                          products_of_columns_##name};
 
 TRIPATCH_SUMS(any_machine_sums, 4, )
-#ifdef TRIPATCH_KNOWS_MACHINES
-TRIPATCH_SUMS(sums_with_avx2, 4, __attribute__((target("arch=x86-64-v3"))))
-TRIPATCH_SUMS(sums_with_avx512, 8, __attribute__((target("arch=x86-64-v4,prefer-vector-width=512"))))
-const Sums sums = __builtin_cpu_supports("x86-64-v4")   ? sums_with_avx512
-                  : __builtin_cpu_supports("x86-64-v3") ? sums_with_avx2
-                                                        : any_machine_sums;
+#if defined(TRIPATCH_PACKS) && defined(__x86_64__)
+TRIPATCH_SUMS(fused_sums, 4, TRIPATCH_FUSED)
+#ifdef TRIPATCH_WIDE
+TRIPATCH_SUMS(wide_sums, 8, TRIPATCH_WIDE)
+#else
+constexpr Sums wide_sums = fused_sums;
+#endif
+const Sums sums = machine() == Machine::wide ? wide_sums : machine() == Machine::fused ? fused_sums : any_machine_sums;
 #else
 constexpr Sums sums = any_machine_sums;
 #endif

@@ -9,11 +9,9 @@
 
 // Eigen's products take what the compiler may assume of every machine. These are compiled for newer ones too, and chosen at run time;
 // newer machines all make the same bits, for each sum is made in the same order.
-#ifdef TRIPATCH_KNOWS_MACHINES
-#define TRIPATCH_FOR_EACH_MACHINE __attribute__((target_clones("arch=x86-64-v3", "default")))
+#ifdef TRIPATCH_PACKS
 #define TRIPATCH_INLINE inline __attribute__((always_inline))
 #else
-#define TRIPATCH_FOR_EACH_MACHINE
 #define TRIPATCH_INLINE inline
 #endif
 
@@ -187,6 +185,62 @@ TRIPATCH_INLINE void reflect_columns_with(double* a, Index m, Index n) {
   }
 }
 
+/// Rows [from, to) of an upper triangular factor, in place; false where the matrix is not positive definite.
+TRIPATCH_INLINE bool factor_panel_rows(double* __restrict a, Index n, Index from, Index to) {
+  for (Index k = from; k < to; ++k) {
+    double* const row = a + k * n;
+    if (!(row[k] > 0)) return false;
+    row[k] = std::sqrt(row[k]);
+    const double over = 1 / row[k];
+    for (Index j = k + 1; j < n; ++j) row[j] *= over;
+    for (Index i = k + 1; i < to; ++i)
+      for (Index j = i; j < n; ++j) a[i * n + j] -= row[i] * row[j];
+  }
+  return true;
+}
+
+/// Householder's reflections one after the other (Golub and Van Loan, "Matrix computations", 8.3.1), in one pass over the matrix each: what
+/// a reflection takes away is taken away where the next one's product is made. v, w, x, p: vectors of n; a row of b is n long.
+struct Reflecting {
+  double* __restrict a;
+  Index n;
+  double* __restrict v;  // the matrix lacks v w' + w v'
+  double* __restrict w;
+  double* __restrict x;  // the next v
+  double* __restrict p;  // the matrix times it
+};
+
+/// What is lacking of the part of column j below its diagonal is taken away, and the column's share of p made.
+TRIPATCH_INLINE void reflect_one_column(const Reflecting& r, Index j) {
+  const double vj = r.v[j], wj = r.w[j], xj = r.x[j];
+  double* const __restrict a = r.a + j * r.n;
+  const double* const __restrict v = r.v;
+  const double* const __restrict w = r.w;
+  const double* const __restrict x = r.x;
+  double* const __restrict p = r.p;
+  a[j] -= 2 * vj * wj;
+  double own = a[j] * xj;
+  Index i = j + 1;
+#ifdef __GNUC__
+  typedef double Four __attribute__((vector_size(8 * four), aligned(8), may_alias));
+  Four sum = {};
+  for (; i + four <= r.n; i += four) {  // no function returns a Four: clang 14 takes its reference for aligned to 32 bytes
+    const Four left = *reinterpret_cast<const Four*>(a + i) - *reinterpret_cast<const Four*>(v + i) * wj -
+                      *reinterpret_cast<const Four*>(w + i) * vj;
+    *reinterpret_cast<Four*>(a + i) = left;
+    *reinterpret_cast<Four*>(p + i) += left * xj;
+    sum += left * *reinterpret_cast<const Four*>(x + i);
+  }
+  own += (sum[0] + sum[2]) + (sum[1] + sum[3]);
+#endif
+  for (; i < r.n; ++i) {
+    a[i] -= v[i] * wj + w[i] * vj;
+    p[i] += a[i] * xj;
+    own += a[i] * x[i];
+  }
+  p[j] += own;
+}
+
 /// The products of one kind of machine.
 struct Products {
   void (*reflect_columns)(double* a, Index m, Index n);
@@ -196,6 +250,8 @@ struct Products {
   void (*add_product_of_fours)(const double* a, Index m, Index k, const double* b, double* out);
   void (*add_dots)(const double* a, Index m, Index n, const double* x, double* out);
   bool (*factor_symmetric)(double* a, Index n, double least);
+  bool (*factor_panel)(double* a, Index n, Index from, Index to);
+  void (*reflect_column)(const Reflecting& r, Index j);
 };
 
 #define TRIPATCH_PRODUCTS(name, Registers, machine)                                                                         \
@@ -219,8 +275,11 @@ struct Products {
   machine bool factor_symmetric_##name(double* a, Index n, double least) {                                                  \
     return factor_symmetric_with<Registers>(a, n, least);                                                                   \
   }                                                                                                                         \
-  constexpr Products name = {reflect_columns_##name,      add_gram_##name, subtract_gram_##name,   multiply_four_##name,    \
-                             add_product_of_fours_##name, add_dots_##name, factor_symmetric_##name};
+  machine bool factor_panel_##name(double* a, Index n, Index from, Index to) { return factor_panel_rows(a, n, from, to); }  \
+  machine void reflect_column_##name(const Reflecting& r, Index j) { reflect_one_column(r, j); }                            \
+  constexpr Products name = {reflect_columns_##name,      add_gram_##name, subtract_gram_##name,    multiply_four_##name,   \
+                             add_product_of_fours_##name, add_dots_##name, factor_symmetric_##name, factor_panel_##name,    \
+                             reflect_column_##name};
 
 TRIPATCH_PRODUCTS(any_machine, AnyRegisters, )
 
@@ -288,73 +347,19 @@ struct VectorRegisters {
 };
 #endif
 
-#ifdef TRIPATCH_KNOWS_MACHINES
+#if defined(TRIPATCH_PACKS) && defined(__x86_64__)
 using FourWide = VectorRegisters<4, 4, 8>;
+TRIPATCH_PRODUCTS(fused_products, FourWide, TRIPATCH_FUSED)
+#ifdef TRIPATCH_WIDE
 using EightWide = VectorRegisters<8, 8, 16>;
-TRIPATCH_PRODUCTS(with_avx2, FourWide, __attribute__((target("arch=x86-64-v3"))))
-TRIPATCH_PRODUCTS(with_avx512, EightWide, __attribute__((target("arch=x86-64-v4,prefer-vector-width=512"))))
-const Products products = __builtin_cpu_supports("x86-64-v4")   ? with_avx512
-                          : __builtin_cpu_supports("x86-64-v3") ? with_avx2
-                                                                : any_machine;
+TRIPATCH_PRODUCTS(wide_products, EightWide, TRIPATCH_WIDE)
+#else
+constexpr Products wide_products = fused_products;
+#endif
+const Products products = machine() == Machine::wide ? wide_products : machine() == Machine::fused ? fused_products : any_machine;
 #else
 constexpr Products products = any_machine;
 #endif
-
-/// Rows [from, to) of an upper triangular factor, in place; false where the matrix is not positive definite.
-TRIPATCH_FOR_EACH_MACHINE bool factor_panel(double* __restrict a, Index n, Index from, Index to) {
-  for (Index k = from; k < to; ++k) {
-    double* const row = a + k * n;
-    if (!(row[k] > 0)) return false;
-    row[k] = std::sqrt(row[k]);
-    const double over = 1 / row[k];
-    for (Index j = k + 1; j < n; ++j) row[j] *= over;
-    for (Index i = k + 1; i < to; ++i)
-      for (Index j = i; j < n; ++j) a[i * n + j] -= row[i] * row[j];
-  }
-  return true;
-}
-
-/// Householder's reflections one after the other (Golub and Van Loan, "Matrix computations", 8.3.1), in one pass over the matrix each: what
-/// a reflection takes away is taken away where the next one's product is made. v, w, x, p: vectors of n; a row of b is n long.
-struct Reflecting {
-  double* __restrict a;
-  Index n;
-  double* __restrict v;  // the matrix lacks v w' + w v'
-  double* __restrict w;
-  double* __restrict x;  // the next v
-  double* __restrict p;  // the matrix times it
-};
-
-/// What is lacking of the part of column j below its diagonal is taken away, and the column's share of p made.
-TRIPATCH_FOR_EACH_MACHINE void reflect_column(const Reflecting& r, Index j) {
-  const double vj = r.v[j], wj = r.w[j], xj = r.x[j];
-  double* const __restrict a = r.a + j * r.n;
-  const double* const __restrict v = r.v;
-  const double* const __restrict w = r.w;
-  const double* const __restrict x = r.x;
-  double* const __restrict p = r.p;
-  a[j] -= 2 * vj * wj;
-  double own = a[j] * xj;
-  Index i = j + 1;
-#ifdef __GNUC__
-  typedef double Four __attribute__((vector_size(8 * four), aligned(8), may_alias));
-  Four sum = {};
-  for (; i + four <= r.n; i += four) {  // no function returns a Four: clang 14 takes its reference for aligned to 32 bytes
-    const Four left = *reinterpret_cast<const Four*>(a + i) - *reinterpret_cast<const Four*>(v + i) * wj -
-                      *reinterpret_cast<const Four*>(w + i) * vj;
-    *reinterpret_cast<Four*>(a + i) = left;
-    *reinterpret_cast<Four*>(p + i) += left * xj;
-    sum += left * *reinterpret_cast<const Four*>(x + i);
-  }
-  own += (sum[0] + sum[2]) + (sum[1] + sum[3]);
-#endif
-  for (; i < r.n; ++i) {
-    a[i] -= v[i] * wj + w[i] * vj;
-    p[i] += a[i] * xj;
-    own += a[i] * x[i];
-  }
-  p[j] += own;
-}
 
 }  // namespace
 
@@ -363,7 +368,7 @@ bool factor_cholesky(Eigen::MatrixXd& a) {
   const Index n = a.rows();  // columns of the lower factor are rows of the upper one
   for (Index from = 0; from < n; from += panel) {
     const Index to = std::min(n, from + panel);
-    if (!factor_panel(a.data(), n, from, to)) return false;
+    if (!products.factor_panel(a.data(), n, from, to)) return false;
     // what these rows of the factor take away from those below
     products.subtract_gram(a.data() + from * n, to - from, n, to, a.data());
   }
@@ -393,7 +398,7 @@ Tridiagonal tridiagonalize(Eigen::MatrixXd& a, Eigen::MatrixXd& b) {
     }
     p.tail(left).setZero();
     const Reflecting reflecting{a.data(), n, v.data(), w.data(), x.data(), p.data()};
-    for (Index j = k + 1; j < n; ++j) reflect_column(reflecting, j);
+    for (Index j = k + 1; j < n; ++j) products.reflect_column(reflecting, j);
     p.tail(left) *= share;
     p.tail(left) -= share / 2 * p.tail(left).dot(x.tail(left)) * x.tail(left);
     for (Index c = 0; c < b.cols(); ++c) b.col(c).tail(left) -= share * x.tail(left).dot(b.col(c).tail(left)) * x.tail(left);

@@ -406,7 +406,7 @@ const PointFormula::Kernel* PointFormula::kernel() const {
 
 bool PointFormula::is_worth(Index points) const {
   constexpr Index many = 1000;  // what a formula for sides of a hundred pieces takes to be made, it saves then
-  return points >= many && has_fused_packs() && kernel();
+  return points >= many && has_packs() && kernel();
 }
 
 void PointFormula::evaluate(const Surface& surface, const double* b, Index n, double* positions, double* normals) const {

@@ -2,8 +2,6 @@
 // with what each of them has. Nothing is fused, so that the bits are those of one number after the other.
 #pragma once
 
-#include <cstddef>  // with it the C library says what it is
-
 #if defined(__has_feature)
 #if __has_feature(thread_sanitizer)
 #define TRIPATCH_THREAD_SANITIZER
@@ -15,14 +13,18 @@
 // The thread sanitizer is not there yet when static variables ask what the machine is.
 #if (defined(__clang__) || (defined(__GNUC__) && __GNUC__ >= 12)) && !defined(TRIPATCH_THREAD_SANITIZER)
 #define TRIPATCH_PACKS
-/// For what is compiled once for several machines: the compiler knows them by name, and the C library which of them it is.
-#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
-#define TRIPATCH_KNOWS_MACHINES
-#endif
 #ifdef __x86_64__
+#include <cpuid.h>
 #define TRIPATCH_PACKED __attribute__((target("avx2")))
+/// For what may multiply and add in one step. Instructions are named, not machines: zig turns off what machines have.
+#define TRIPATCH_FUSED __attribute__((target("avx2,fma,bmi,bmi2")))
+#ifndef __clang__
+#define TRIPATCH_WIDE \
+  __attribute__((target("avx2,fma,bmi,bmi2,avx512f,avx512bw,avx512cd,avx512dq,avx512vl,prefer-vector-width=512")))
+#endif
 #else
 #define TRIPATCH_PACKED
+#define TRIPATCH_FUSED
 #endif
 #define TRIPATCH_PACKED_INLINE TRIPATCH_PACKED __attribute__((always_inline)) inline
 /// For formulas of packs and of single numbers: compiled as whatever they are inlined into. Packed functions
@@ -49,11 +51,30 @@ typedef double Pack __attribute__((vector_size(8 * lanes)));
 /// Anywhere in memory.
 typedef double LoosePack __attribute__((vector_size(8 * lanes), aligned(8), may_alias));
 
-/// Whether the machine has registers for packs.
+#ifdef __x86_64__
+enum class Machine { any, fused, wide };
+
+/// What the machine has, asked of itself: in what zig compiles, __builtin_cpu_supports says that it has nothing.
+inline Machine machine() {
+  static const Machine found = [] {
+    unsigned a, b, c, d, saved;
+    const bool knows =
+        __get_cpuid(1, &a, &b, &c, &d) && (c & bit_OSXSAVE) && (c & bit_FMA) && __get_cpuid_count(7, 0, &a, &b, &c, &d);
+    if (!knows) return Machine::any;
+    __asm__("xgetbv" : "=a"(saved), "=d"(d) : "c"(0));  // which registers the system keeps
+    const auto has = [&](unsigned kept, unsigned bits) { return (saved & kept) == kept && (b & bits) == bits; };
+    if (!has(0x06, bit_AVX2 | bit_BMI | bit_BMI2)) return Machine::any;
+    const bool wide = has(0xe6, bit_AVX512F | bit_AVX512BW | bit_AVX512CD | bit_AVX512DQ | bit_AVX512VL);
+    return wide ? Machine::wide : Machine::fused;
+  }();
+  return found;
+}
+#endif
+
+/// Whether the machine has registers for packs, and multiplies and adds in one step.
 inline bool has_packs() {
 #ifdef __x86_64__
-  static const bool avx2 = __builtin_cpu_supports("avx2");
-  return avx2;
+  return machine() != Machine::any;
 #else
   return true;
 #endif

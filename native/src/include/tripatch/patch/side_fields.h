@@ -11,25 +11,10 @@
 #include "tripatch/patch/simd.h"
 
 #ifdef TRIPATCH_PACKS
-#ifdef __x86_64__
-#define TRIPATCH_FUSED __attribute__((target("avx2,fma")))
-#else
-#define TRIPATCH_FUSED TRIPATCH_PACKED
-#endif
 #define TRIPATCH_FUSED_LAMBDA TRIPATCH_FUSED __attribute__((always_inline))
 #define TRIPATCH_FUSED_INLINE TRIPATCH_FUSED __attribute__((always_inline)) inline
 
 namespace tripatch {
-
-/// Whether the machine has registers for packs and those instructions.
-inline bool has_fused_packs() {
-#ifdef __x86_64__
-  static const bool fma = has_packs() && __builtin_cpu_supports("fma");
-  return fma;
-#else
-  return true;
-#endif
-}
 
 /// The components of a coefficient, or one of them four times.
 struct alignas(32) Four {
