@@ -113,11 +113,17 @@ Points border_of(const Mesh& mesh, const Fill& fill) {
 void state_deviation(const Mesh& mesh, const FillOptions& options, Fill& fill) {
   const bool tells = options.fairing == Fairing::automatic && !fill.report.fairing.empty() && !is_shaped_by_hand(options);
   if (fill.deviation.size() > 0 || fill.vertices.rows() == 0 || !fill.patch || !tells) return;
-  const Points border = border_of(mesh, fill);
   const double size = diameter(mesh, fill.rim);
-  Eigen::VectorXd away(fill.vertices.rows());  // over the diameter
-  for (Index k = 0; k < away.size(); ++k)
-    away[k] = (border.rowwise() - fill.vertices.row(k)).rowwise().stableNorm().minCoeff() / std::max(size, tolerance::tiny);
+  Eigen::VectorXd away(fill.vertices.rows());  // of a triangle the height over the nearest side, else over the diameter
+  if (fill.barycentric.rows() == away.size()) {
+    away = fill.barycentric.rowwise().minCoeff().cwiseMax(0);
+  } else {
+    const Eigen::MatrixXd border = border_of(mesh, fill) / std::max(size, tolerance::tiny);
+    for (Index k = 0; k < away.size(); ++k) {
+      const Eigen::RowVector3d at = fill.vertices.row(k) / std::max(size, tolerance::tiny);
+      away[k] = std::sqrt((border.rowwise() - at).rowwise().squaredNorm().minCoeff());
+    }
+  }
   fill.deviation = expected_error(fill, size) / std::max(root_mean_square(away), tolerance::tiny) * away;
   fill.report.deviation_max = fill.deviation.maxCoeff();
 }
