@@ -109,12 +109,15 @@ struct RoundAsked {
   bool tangent() const { return continuity != SideContinuity::free && continuity != SideContinuity::g0; }
 };
 
-/// Of a rim, by 32 chords.
+/// Of a rim, by chords.
 double length_of(const Harmonic& rim) {
-  constexpr int chords = 32;
   double length = 0;
-  for (int k = 0; k < chords; ++k)
-    length += (at_turn(rim, static_cast<double>(k + 1) / chords) - at_turn(rim, static_cast<double>(k) / chords)).norm();
+  Vec3 before = at_turn(rim, 0);
+  for (const double t : evenly(32)) {
+    const Vec3 at = at_turn(rim, t);
+    length += (at - before).norm();
+    before = at;
+  }
   return length;
 }
 
