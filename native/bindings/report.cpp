@@ -100,8 +100,9 @@ void bind_report(py::module_& m) {
                     R"(With shape="optimal": a list of (lambda by side, energy), the last of which was taken.)")
       .def_readonly("method", &Report::method, "Name of the method used.")
       .def_readonly("method_reason", &Report::method_reason, "Why that method was used.")
-      .def_property_readonly("candidates", candidates_of,
-                             "With method auto: the ways to fill the hole, the one that is used first, each a `Candidate`.")
+      .def_property_readonly(
+          "candidates", candidates_of,
+          "The ways to fill the hole, each a `Candidate`: the one that is used, then, with method auto, the others.")
       .def_readonly("deviation_max", &Report::deviation_max,
                     "Largest standard deviation of a new vertex, in units of the mesh; None: the method does not know it.")
       .def_readonly(

@@ -392,7 +392,9 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
   return results;
 }
 
-void tell_not_taken(const FillOptions& options, Fill& fill) {
+/// What a report tells of each fill, whatever made it.
+void complete_report(const Mesh& mesh, const FillOptions& options, Fill& fill) {
+  list_used(mesh, options, fill);
   Report& report = fill.report;
   for (Message& said : told_of_not_taken(options, report.method)) report.warnings.push_back(std::move(said));
   report.not_applied.merge(not_applied(options, fill));
@@ -412,7 +414,7 @@ Fill fill(const Mesh& mesh, const FillOptions& options) {
   check_creases(mesh, options.subdivision.crease_edges);
   try {
     Fill result = fill_one_hole(mesh, options);
-    tell_not_taken(options, result);
+    complete_report(mesh, options, result);
     if (std::optional<Message> told = told_of_rims(mesh, {&result.rim, 1})[0]) result.report.warnings.push_back(std::move(*told));
     return result;
   } catch (const CodedRefusal& refusal) {
@@ -433,7 +435,7 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
   const std::vector<std::optional<Message>> told = told_of_rims(mesh, rims);
   for (std::size_t k = 0; k < results.size(); ++k) {
     Fill* const fill = std::get_if<Fill>(&results[k]);
-    if (fill) tell_not_taken(options, *fill);
+    if (fill) complete_report(mesh, options, *fill);
     if (!told[k]) continue;
     if (fill)
       fill->report.warnings.push_back(*told[k]);

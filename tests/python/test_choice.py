@@ -70,9 +70,27 @@ def test_expected_errors_are_lengths():
     assert large.expected_error == pytest.approx(1000 * one.expected_error, rel=1e-3)
 
 
-def test_a_method_that_is_asked_for_has_no_candidates():
+@pytest.mark.parametrize(
+    "options", [{"method": "side_vertex"}, {"method": "polyharmonic_spline"}, {"output": "cage"}, {"bulge": 0.3}]
+)
+def test_each_fill_is_listed_with_its_numbers_whatever_made_it(options):
     vertices, faces, rim = octant()
-    assert candidates(vertices, faces, rim=rim, method="side_vertex") == []
+    report = tripatch.fill(vertices, faces, rim=rim, **options).report
+    used, *others = report.candidates
+    assert (used.status, used.method) == ("used", report.method)
+    assert used.expected_error >= 0 and used.seam_deg == report.seam_angle_max
+    assert used.why and bool(others) == (options == {"bulge": 0.3})
+    assert not any(each.status == "used" for each in others)
+
+
+def test_a_small_fill_is_listed_with_why():
+    vertices = np.array([(x, y, 0.1 * x * y) for y in range(7) for x in range(7)], float)
+    quads = [(v, v + 1, v + 8, v + 7) for v in range(41) if v % 7 < 6]
+    faces = [t for a, b, c, d in quads for t in ((a, b, c), (a, c, d)) if 24 not in t]
+    (fill,) = tripatch.fill_all(vertices, faces)
+    (used,) = fill.report.candidates
+    assert (used.status, used.method, used.why) == ("used", fill.report.method, fill.report.method_reason)
+    assert 0 < used.expected_error < 1
 
 
 def test_candidates_are_pickled_and_plain_in_json():

@@ -90,20 +90,11 @@ namespace {
 
 Quality judged(FillProblem& problem, const Fill& fill) {
   const FillContext& context = problem.context;
-  const Report& report = fill.report;
-  Quality quality;
+  const bool is_known = fill.report.method == spline_method || fill.report.triangles_folded == 0;
+  const Index forced = is_known ? fill.report.rim_folded : folds_of_rim(context.mesh, context.left, {fill.rim});
+  Quality quality = quality_of(context.mesh, fill, forced, problem.options);
   const Fill* const only = &fill;
-  quality.crosses = report.crosses_itself || (context.keeps_clear && context.passages_of({&only, 1}, problem.options)[0]);
-  if (fill.faces.size() == 0) quality.folds = report.folds;  // was not laid out for that
-  if (report.triangles_folded > 0) {
-    const bool of_spline = report.method == spline_method;
-    const Index forced = of_spline ? report.rim_folded : folds_of_rim(context.mesh, context.left, {fill.rim});
-    quality.folds = std::max<Index>(report.triangles_folded - forced, 0);
-  }
-  quality.folds = std::max<Index>(quality.folds, report.folds > 0 ? 1 : 0);
-  quality.exceeds_hole_bounds = !is_shaped_by_hand(problem.options) && exceeds_hole_bounds(context.mesh, fill.rim, fill.vertices);
-  quality.expected_error = expected_error(fill, problem.size);
-  quality.seam_deg = report.seam_angle_max;
+  if (context.keeps_clear && context.passages_of({&only, 1}, problem.options)[0]) quality.crosses = true;
   return quality;
 }
 

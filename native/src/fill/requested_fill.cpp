@@ -58,6 +58,7 @@ Fill patch_as_asked(const FillContext& context, const Fill& chosen, FillOptions 
     made = polygon_fill(context, chosen.rim, corners, options);
   }
   made.report.method_reason = chosen.report.method_reason;
+  made.report.candidates.assign(chosen.report.candidates.begin() + 1, chosen.report.candidates.end());
   if (flat && std::ranges::count(chosen.report.warnings, Code::flat_all_around, &Message::code) > 0)
     made.report.warnings.push_back({Code::flat_all_around});
   return made;

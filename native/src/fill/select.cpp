@@ -6,6 +6,8 @@
 #include <tuple>
 
 #include "tripatch/constructions/methods.h"
+#include "tripatch/fill/any_rim_fill.h"
+#include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
@@ -59,6 +61,28 @@ double expected_error(const Fill& fill, double size) {
 double least_error(double degrees, double size) { return error_by_planes * degrees * std::numbers::pi / 180 * size; }
 
 bool is_negligible(double error, double size) { return error <= negligible * size; }
+
+Quality quality_of(const Mesh& mesh, const Fill& fill, Index forced_folds, const FillOptions& options) {
+  const Report& report = fill.report;
+  Quality quality;
+  quality.crosses = report.crosses_itself || fill.passes_through;
+  quality.folds = std::max<Index>(report.triangles_folded - forced_folds, 0);
+  if (fill.faces.size() == 0) quality.folds = report.folds;  // was not laid out for that
+  quality.folds = std::max<Index>(quality.folds, report.folds > 0 ? 1 : 0);
+  quality.exceeds_hole_bounds = !is_shaped_by_hand(options) && exceeds_hole_bounds(mesh, fill.rim, fill.vertices);
+  quality.expected_error = expected_error(fill, diameter(mesh, fill.rim));
+  quality.seam_deg = report.seam_angle_max;
+  return quality;
+}
+
+void list_used(const Mesh& mesh, const FillOptions& options, Fill& fill) {
+  Report& report = fill.report;
+  std::vector<FillCandidate>& rows = report.candidates;
+  if (rows.empty() || rows[0].status != CandidateStatus::used) rows.emplace(rows.begin());
+  const char* const plain = options.method == automatic_method ? "a cage between the corners of the hole" : "it was requested";
+  rows[0] = {report.method, CandidateStatus::used, quality_of(mesh, fill, report.rim_folded, options),
+             report.method_reason.empty() ? plain : report.method_reason};
+}
 
 bool is_valid(const Quality& quality) { return compared(quality) == compared({}); }
 

@@ -20,6 +20,11 @@ double least_error(double degrees, double size);
 /// Whether nobody sees so small an error.
 bool is_negligible(double error, double size);
 
+/// forced_folds: those that its rim leaves no way around.
+Quality quality_of(const Mesh& mesh, const Fill& fill, Index forced_folds, const FillOptions& options);
+/// Puts the fill as it is delivered first in the candidates of its report.
+void list_used(const Mesh& mesh, const FillOptions& options, Fill& fill);
+
 /// Whether a fill neither crosses itself nor folds nor leaves the hole.
 bool is_valid(const Quality& quality);
 /// Whether a is clearly the better one.
