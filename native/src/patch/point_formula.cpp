@@ -9,6 +9,7 @@
 
 #include "tripatch/math/tolerances.h"
 #include "tripatch/math/unit_vector.h"
+#include "tripatch/patch/ray_weights.h"
 #include "tripatch/patch/side_fields.h"
 
 namespace tripatch {
@@ -287,34 +288,23 @@ private:
   template <int I>
   TRIPATCH_FUSED_INLINE static void add_ray(const Ray& ray, const Pack (&b)[3], const OnRay& on, Rational& sum) {
     constexpr int i = I, j = (i + 1) % 3, k = (i + 2) % 3;
-    const Pack &r = b[i], &t = on.t, &over = on.over, s = b[j] + b[k], v = b[j] * b[k], vv = v * v, rr = r * r;
-    // what multiplies slope and second derivative at the vertex, position, slope and second derivative at the side, see
-    // VertexRay::add_plane; w: derivatives by s
-    Pack h1, h2, h3, h4, h5, w1, w2, w3, w4, w5;
-    const Pack ss = s * s, added = -ss * r, w_added = s * (1.0 - 3.0 * r);
-    if constexpr (Quintic) {
-      const Pack sss = ss * s, rrr = rr * r;
-      h1 = s * rrr * (1.0 + 3.0 * s), h3 = sss * (1.0 + r * (3.0 + 6.0 * r)), h4 = sss * r * (-1.0 - 3.0 * r);
-      h2 = 0.5 * ss * rrr, h5 = 0.5 * rr * sss;
-      w1 = rr * (1.0 - 3.0 * s) * (1.0 + 5.0 * s), w3 = 30.0 * rr * ss, w4 = ss * (1.0 - 3.0 * r) * (1.0 + 5.0 * r);
-      w2 = s * rr * (1.0 - 2.5 * s), w5 = r * ss * (2.5 * r - 1.0);
-    } else {
-      h1 = s * rr, h3 = ss * (1.0 + 2.0 * r), h4 = added;
-      w1 = r * (1.0 - 3.0 * s), w3 = 6.0 * s * r, w4 = w_added;
-    }
+    const Pack &r = b[i], &t = on.t, &over = on.over, s = b[j] + b[k], v = b[j] * b[k], vv = v * v;
+    RayWeights<Pack> w;
+    weigh_ray<Quintic>(r, s, w);
+    const Pack added = -(s * s) * r, w_added = s * (1.0 - 3.0 * r);  // of the cubic ray
     const Pack twice = v + v, along = vv * (over * over);
     const auto each = [&](int x, const Pack& c, const Pack& c_t, const Pack& d, const Pack& d_t, const Pack& e, const Pack& e_t)
                           TRIPATCH_FUSED_LAMBDA {
                             const Pack turned = ray.turned[x].pack(), slope = ray.to_next[x].pack() + t * turned;
-                            Pack f = ray.corner[x].pack() + h1 * slope + h3 * c + h4 * d,
-                                 by_t = h1 * turned + h3 * c_t + h4 * d_t, by_s = w1 * slope + w3 * c + w4 * d;
+                            Pack f = ray.corner[x].pack() + w.h1 * slope + w.h3 * c + w.h4 * d,
+                                 by_t = w.h1 * turned + w.h3 * c_t + w.h4 * d_t, by_s = w.d1 * slope + w.d3 * c + w.d4 * d;
                             if constexpr (Quintic) {
                               Pack at_vertex[2], at_side[2];
                               component<3>(ray.vertex_second.data(), x, t, at_vertex);
                               component<3>(ray.side_second.data(), x, t, at_side);
-                              f += h2 * at_vertex[0] + h5 * at_side[0] + added * e;
-                              by_t += h2 * at_vertex[1] + h5 * at_side[1] + added * e_t;
-                              by_s += w2 * at_vertex[0] + w5 * at_side[0] + w_added * e;
+                              f += w.h2 * at_vertex[0] + w.h5 * at_side[0] + added * e;
+                              by_t += w.h2 * at_vertex[1] + w.h5 * at_side[1] + added * e_t;
+                              by_s += w.d2 * at_vertex[0] + w.d5 * at_side[0] + w_added * e;
                             }
                             add<I>(x, b, v, twice * f, along * by_t, -vv * by_s, sum);
                           };

@@ -84,10 +84,10 @@ TRIPATCH_PACKED_INLINE Pack all_lanes(double s) { return Pack{s, s, s, s}; }
 TRIPATCH_PACKED_INLINE Pack loaded(const double* from) { return *reinterpret_cast<const LoosePack*>(from); }
 TRIPATCH_PACKED_INLINE void store(const Pack& pack, double* to) { *reinterpret_cast<LoosePack*>(to) = pack; }
 TRIPATCH_PACKED_INLINE Pack square_root(const Pack& x) {
-#ifdef __clang__
-  return __builtin_elementwise_sqrt(x);
-#elif defined(__x86_64__)
+#if defined(__x86_64__) && !defined(__clang__)
   return __builtin_ia32_sqrtpd256(x);
+#elif defined(__clang__) && __has_builtin(__builtin_elementwise_sqrt)
+  return __builtin_elementwise_sqrt(x);
 #else
   return Pack{__builtin_sqrt(x[0]), __builtin_sqrt(x[1]), __builtin_sqrt(x[2]), __builtin_sqrt(x[3])};
 #endif

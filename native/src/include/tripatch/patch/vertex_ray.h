@@ -3,6 +3,7 @@
 
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/patch/point_formula.h"
+#include "tripatch/patch/ray_weights.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/patch/tangent_planes.h"
 
@@ -50,19 +51,9 @@ public:
   TRIPATCH_ANY_PACK void add_plane(const OnRay<N, P>& on, const Plane<N, P>& weight, TangentPlane<N, P>& sum) const {
     static_assert(Degree != RayDegree::quadratic);
     constexpr bool quintic = Degree == RayDegree::quintic;
-    const P &s = on.s, &r = on.b, &t = on.t.c[0], ss = s * s, rr = r * r;
-    // what multiplies slope and second derivative at the vertex, position, slope and second derivative at the side; and derivatives
-    P h1, h2, h3, h4, h5, d1, d2, d3, d4, d5;
-    if constexpr (quintic) {
-      const P sss = ss * s, rrr = rr * r;
-      h1 = s * rrr * (1.0 + 3.0 * s), h3 = sss * (1.0 + r * (3.0 + 6.0 * r)), h4 = sss * r * (-1.0 - 3.0 * r);
-      h2 = 0.5 * ss * rrr, h5 = 0.5 * rr * sss;
-      d1 = rr * (1.0 - 3.0 * s) * (1.0 + 5.0 * s), d3 = 30.0 * rr * ss, d4 = ss * (1.0 - 3.0 * r) * (1.0 + 5.0 * r);
-      d2 = s * rr * (1.0 - 2.5 * s), d5 = r * ss * (2.5 * r - 1.0);
-    } else {
-      h1 = s * rr, h3 = ss * (1.0 + 2.0 * r), h4 = -ss * r;
-      d1 = r * (1.0 - 3.0 * s), d3 = 6.0 * s * r, d4 = s * (1.0 - 3.0 * r);
-    }
+    const P& t = on.t.c[0];
+    RayWeights<P> w;
+    weigh_ray<quintic>(on.b, on.s, w);
     P c[N + 1][3], d[N + 1][3], v[N + 1][3], q[N + 1][3];
     side_at<N>(t, c, d);
     if constexpr (quintic) cubic_at<N>(vertex_second_, t, v), cubic_at<N>(side_second_, t, q);
@@ -75,12 +66,12 @@ public:
     for (int x = 0; x < 3; ++x) {
       const double corner = corner_[i_][x], turned = to_previous_[x] - to_next_[x];
       const P slope = to_next_[x] + t * turned, off = c[0][x] - corner;
-      P f = corner + h1 * slope + h3 * off + h4 * d[0][x];
-      if constexpr (quintic) f += h2 * v[0][x] + h5 * q[0][x];
+      P f = corner + w.h1 * slope + w.h3 * off + w.h4 * d[0][x];
+      if constexpr (quintic) f += w.h2 * v[0][x] + w.h5 * q[0][x];
       sum[0][x] += weight.c[0] * f;
       if constexpr (N > 0) {
-        P by_s = d1 * slope + d3 * off + d4 * d[0][x], by_t = h1 * turned + h3 * c[1][x] + h4 * d[1][x];
-        if constexpr (quintic) by_s += d2 * v[0][x] + d5 * q[0][x], by_t += h2 * v[1][x] + h5 * q[1][x];
+        P by_s = w.d1 * slope + w.d3 * off + w.d4 * d[0][x], by_t = w.h1 * turned + w.h3 * c[1][x] + w.h4 * d[1][x];
+        if constexpr (quintic) by_s += w.d2 * v[0][x] + w.d5 * q[0][x], by_t += w.h2 * v[1][x] + w.h5 * q[1][x];
         for (int k = 0; k < 2; ++k) sum[1 + k][x] += weight.c[1 + k] * f + along_s[k] * by_s + along_t[k] * by_t;
       }
     }
