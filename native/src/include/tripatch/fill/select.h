@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tripatch/messages.h"
+#include "tripatch/options.h"
 #include "tripatch/output/fill_result.h"
 
 namespace tripatch {
