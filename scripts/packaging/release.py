@@ -1,4 +1,7 @@
-"""What scripts/release changes in the source tree: the version in each file that has it, and the head of the changelog."""
+"""What scripts/release changes in the source tree: the version in each file that has it, and the head of the changelog.
+
+release.py [--check] VERSION; with --check nothing is changed, only what would be in the way is named.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,7 @@ class NotReady(Exception):
 
 
 def check(version: str, project: str, changelog: str) -> None:
-    """Raises NotReady where the texts of pyproject.toml and CHANGELOG.md are not those of a release."""
+    """Raises NotReady if there can be no such version, whatever has changed since the last one."""
     if not re.fullmatch(r"\d+\.\d+\.\d+", version):
         raise NotReady(f"{version!r} is no version such as 1.2.3")
     if PLACEHOLDER in project:
@@ -32,6 +35,10 @@ def check(version: str, project: str, changelog: str) -> None:
         raise NotReady("These addresses in pyproject.toml are placeholders:\n  " + "\n  ".join(lines))
     if f"## [{version}]" in changelog:
         raise NotReady(f"CHANGELOG.md has a section {version} already")
+
+
+def check_news(changelog: str) -> None:
+    """Raises NotReady if the changelog has no news since the last release."""
     unreleased = re.search(r"(?ms)^## \[Unreleased\]\n(.*?)(?=^## \[|\Z)", changelog)
     if not unreleased or not re.search(r"(?m)^- ", unreleased[1]):
         raise NotReady("CHANGELOG.md lists nothing under Unreleased")
@@ -50,21 +57,24 @@ def with_version(text: str, name: str, version: str) -> str:
     return new
 
 
-def main(version: str) -> None:
-    changelog = ROOT / "CHANGELOG.md"
-    check(version, (ROOT / "pyproject.toml").read_text(encoding="utf-8"), changelog.read_text(encoding="utf-8"))
+def main(version: str, *, only_check: bool) -> None:
+    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    check(version, (ROOT / "pyproject.toml").read_text(encoding="utf-8"), changelog)
+    if only_check:
+        return
+    check_news(changelog)
     new = {name: with_version((ROOT / name).read_text(encoding="utf-8"), name, version) for name in PLACES}
     add_on = "addon/tripatch_blender/__init__.py"
     numbers = ", ".join(version.split("."))
     new[add_on] = re.sub(r'("version": )\([^)]*\)', rf"\g<1>({numbers})", (ROOT / add_on).read_text(encoding="utf-8"), count=1)
     today = datetime.datetime.now(datetime.UTC).date().isoformat()
-    new["CHANGELOG.md"] = with_section(changelog.read_text(encoding="utf-8"), version, today)
+    new["CHANGELOG.md"] = with_section(changelog, version, today)
     for name, text in new.items():
         (ROOT / name).write_text(text, encoding="utf-8", newline="\n")
 
 
 if __name__ == "__main__":
     try:
-        main(sys.argv[1])
+        main(sys.argv[-1], only_check="--check" in sys.argv)
     except NotReady as fault:
         sys.exit(f"error: {fault}")

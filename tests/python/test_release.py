@@ -1,6 +1,8 @@
 """What scripts/package and scripts/release make, as far as that needs no other compiler."""
 
 import re
+import shutil
+import subprocess
 import sys
 import tomllib
 import zipfile
@@ -92,12 +94,37 @@ def test_every_place_of_the_version_is_found():
         ("1.0", PROJECT, CHANGELOG, "no version"),
         ("1.0.0", PROJECT.replace("tripatch.org", release.PLACEHOLDER), CHANGELOG, "placeholders"),
         ("0.0.1", PROJECT, CHANGELOG, "already"),
-        ("1.0.0", PROJECT, CHANGELOG.replace("- Fill any hole.\n", ""), "nothing under Unreleased"),
     ],
 )
 def test_what_is_not_ready_is_not_released(version, project, changelog, told):
     with pytest.raises(release.NotReady, match=told):
         release.check(version, project, changelog)
+
+
+def test_without_news_there_is_no_release():
+    release.check_news(CHANGELOG)
+    with pytest.raises(release.NotReady, match="nothing under Unreleased"):
+        release.check_news(CHANGELOG.replace("- Fill any hole.\n", ""))
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux") or not shutil.which("git"), reason="releases are made on Linux")
+def test_a_release_that_cannot_be_changes_nothing(tmp_path):
+    def git(*words):
+        command = ["git", "-c", "user.name=test", "-c", "user.email=test@localhost", *words]
+        return subprocess.run(command, cwd=tmp_path, check=True, capture_output=True, text=True).stdout
+
+    shutil.copytree(ROOT / "scripts", tmp_path / "scripts", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT / "changelog.d", tmp_path / "changelog.d")
+    for name in ("pyproject.toml", "CHANGELOG.md"):
+        shutil.copy(ROOT / name, tmp_path)
+    (tmp_path / ".gitignore").write_text("build\n__pycache__\n")
+    (tmp_path / "changelog.d" / "+news.fixed.md").write_text("News.\n")
+    git("init", "-q")
+    git("add", ".")
+    git("commit", "-qm", "test")
+    done = subprocess.run([tmp_path / "scripts" / "release", "1.0"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode != 0 and "no version such as 1.2.3" in done.stderr
+    assert git("status", "--porcelain") == ""
 
 
 def test_what_was_unreleased_becomes_the_section_of_the_version():
