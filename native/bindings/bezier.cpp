@@ -26,23 +26,22 @@ Points flat(const Array& a) { return Eigen::Map<const Points>(a.data(), a.shape(
 }  // namespace
 
 void bind_bezier(py::module_& m) {
-  py::class_<BezierTriangle, Surface, std::shared_ptr<BezierTriangle>>(
-      m, "BezierTriangle", "A polynomial surface over the triangle, by its control net.")
+  shared_class<BezierTriangle, Surface>(m, "BezierTriangle", "A polynomial surface over the triangle, by its control net.")
       .def(py::init([](const Array& net) { return std::make_shared<BezierTriangle>(points_from(net)); }))
       .def_property_readonly("degree", &BezierTriangle::degree, "n")
       .def_property_readonly(
           "net", [](const BezierTriangle& b) { return array_from(b.net()); }, "((n + 1) (n + 2) / 2, 3) control points.")
-      .def("elevated", &BezierTriangle::elevated, "The same surface, one degree higher.")
+      .def(
+          "elevated", [](const BezierTriangle& b) { return std::make_shared<BezierTriangle>(b.elevated()); },
+          "The same surface, one degree higher.")
       .def("_derivative",
            [](const BezierTriangle& b, const std::array<double, 3>& d) { return b.derivative(Vec3(d[0], d[1], d[2])); })
       .def("_side", [](const BezierTriangle& b, int i) { return array_from(b.side(i)); });
 
-  py::class_<RectangleSurface, std::shared_ptr<RectangleSurface>>(m, "RectangleSurface", py::dynamic_attr(),
-                                                                  "A surface over a rectangle (u, v).")
+  shared_class<RectangleSurface>(m, "RectangleSurface", py::dynamic_attr(), "A surface over a rectangle (u, v).")
       .def("_evaluate", &evaluate<RectangleSurface>)
       .def_property_readonly("domain", &RectangleSurface::domain, "u from, u to, v from, v to.");
-  py::class_<BezierRectangle, RectangleSurface, std::shared_ptr<BezierRectangle>>(m, "BezierRectangle",
-                                                                                  "A Bezier rectangle over the unit square.")
+  shared_class<BezierRectangle, RectangleSurface>(m, "BezierRectangle", "A Bezier rectangle over the unit square.")
       .def(py::init([](const Array& net) {
         return std::make_shared<BezierRectangle>(flat(net), static_cast<int>(net.shape(0)) - 1,
                                                  static_cast<int>(net.shape(1)) - 1);
@@ -50,8 +49,7 @@ void bind_bezier(py::module_& m) {
       .def_property_readonly(
           "degrees", [](const BezierRectangle& b) { return py::make_tuple(b.degree_u(), b.degree_v()); }, "In u and in v.")
       .def_property_readonly("net", &net_from, "(m + 1, n + 1, 3) control points.");
-  py::class_<NurbsSurface, RectangleSurface, std::shared_ptr<NurbsSurface>>(m, "NurbsSurface",
-                                                                            "A NURBS surface of any degrees, knots and weights.")
+  shared_class<NurbsSurface, RectangleSurface>(m, "NurbsSurface", "A NURBS surface of any degrees, knots and weights.")
       .def(py::init([](const Array& points, const std::vector<double>& weights, const std::vector<double>& knots_u,
                        const std::vector<double>& knots_v) {
         return std::make_shared<NurbsSurface>(flat(points), points.shape(0), points.shape(1), weights, knots_u, knots_v);
@@ -70,9 +68,10 @@ void bind_bezier(py::module_& m) {
     return std::const_pointer_cast<Surface>(triangle_on(surface, corners, moved));
   });
 
-  py::reinterpret_borrow<py::class_<Side>>(m.attr("Side"))
-      .def(py::init([](const BezierTriangle& surface, int edge, bool reversed) { return side_of(surface, edge, reversed); }))
-      .def(py::init([](const RectangleSurface& surface, int edge, bool reversed) { return surface.side(edge, reversed); }));
+  auto side = py::reinterpret_borrow<py::class_<Side>>(m.attr("Side"));
+  define_constructor<const BezierTriangle&, int, bool>(side, side_of);
+  define_constructor<const RectangleSurface&, int, bool>(
+      side, [](const RectangleSurface& surface, int edge, bool reversed) { return surface.side(edge, reversed); });
 
   py::enum_<CoonsKind>(m, "CoonsKind")
       .value("discrete", CoonsKind::discrete)

@@ -4,6 +4,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,9 +49,9 @@ void interruptibly(const Work& work, const py::object& progress = py::none()) {
 /// Lets Python construct a bound class with what a function of `Arguments` makes. pybind11's own constructors register the object
 /// after all catches, where a failed allocation ends the process; here Python gets a MemoryError.
 template <class... Arguments, class Bound, class Make>
-void define_constructor(Bound& bound, const Make& make) {
+void define_constructor(Bound& bound, const Make& make, const char* name = "__init__") {
   bound.def(
-      "__init__",
+      name,
       [make](py::detail::value_and_holder& object, Arguments... arguments) {
         auto* const made = new typename Bound::type(make(std::forward<Arguments>(arguments)...));
         object.value_ptr() = made;
@@ -63,6 +64,24 @@ void define_constructor(Bound& bound, const Make& make) {
         }
       },
       py::detail::is_new_style_constructor());
+}
+
+/// A bound class whose objects Python and C++ share; functions return them as std::shared_ptr. If there is no memory to register one,
+/// pybind11 frees it, though others have it; here Python gets a MemoryError and they keep it.
+template <class Type, class... Bases, class... Extra>
+auto shared_class(py::module_& m, const char* name, const Extra&... extra) {
+  py::class_<Type, Bases..., std::shared_ptr<Type>> bound(m, name, extra...);
+  py::detail::type_info* const type = py::detail::get_type_info(typeid(Type));
+  static const auto init_instance = type->init_instance;
+  type->init_instance = [](py::detail::instance* object, const void* holder) {
+    try {
+      init_instance(object, holder);
+    } catch (...) {
+      if (holder) object->get_value_and_holder(py::detail::get_type_info(typeid(Type))).value_ptr() = nullptr;
+      throw;
+    }
+  };
+  return bound;
 }
 
 /// A tripatch.Refusal.

@@ -7,7 +7,7 @@
 using namespace tripatch;
 
 void bind_blends(py::module_& m) {
-  py::class_<SzilvasiNagy, Surface, std::shared_ptr<SzilvasiNagy>>(
+  shared_class<SzilvasiNagy, Surface>(
       m, "SzilvasiNagyPatch", "A blend of three surfaces with shape parameters, and its parts (Szilvasi-Nagy and Szabo 2006).")
       .def_property_readonly("shape", &SzilvasiNagy::shape, "lambda, by side")
       .def_property_readonly(

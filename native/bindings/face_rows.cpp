@@ -22,8 +22,8 @@ struct FaceFile {
 
 using Lists = std::vector<std::tuple<std::size_t, std::string, std::size_t>>;
 
-std::unique_ptr<FaceFile> face_file(const py::buffer& data, std::size_t first, Index count, const Lists& lists, std::size_t after,
-                                    std::size_t corners, const std::string& kind, bool swapped, Index vertices) {
+FaceFile face_file(const py::buffer& data, std::size_t first, Index count, const Lists& lists, std::size_t after,
+                   std::size_t corners, const std::string& kind, bool swapped, Index vertices) {
   RowLayout layout{{}, after, corners, kind.at(0), swapped};
   for (const auto& [before, of_count, size] : lists) layout.lists.push_back({before, of_count.at(0), size});
   py::buffer_info info = data.request();
@@ -33,7 +33,7 @@ std::unique_ptr<FaceFile> face_file(const py::buffer& data, std::size_t first, I
     const py::gil_scoped_release release;
     rows.emplace(bytes, first, count, std::move(layout), vertices);
   }
-  return std::make_unique<FaceFile>(FaceFile{std::move(info), std::move(*rows)});
+  return {std::move(info), std::move(*rows)};
 }
 
 py::array_t<std::size_t> starts_array(const std::vector<std::size_t>& from) {
@@ -77,9 +77,10 @@ void bind_face_rows(py::module_& m) {
     }
     return py::make_tuple(place(box[0]), place(box[1]));
   });
-  py::class_<FaceFile>(m, "FaceRows")
-      .def(py::init(&face_file))
-      .def_property_readonly("end", [](const FaceFile& file) { return file.rows.end(); })
+  py::class_<FaceFile> face_rows(m, "FaceRows");
+  define_constructor<const py::buffer&, std::size_t, Index, const Lists&, std::size_t, std::size_t, const std::string&, bool,
+                     Index>(face_rows, face_file);
+  face_rows.def_property_readonly("end", [](const FaceFile& file) { return file.rows.end(); })
       .def_property_readonly("faces", [](const FaceFile& file) { return file.rows.faces(); })
       .def_property_readonly("portions", [](const FaceFile& file) { return file.rows.portions(); })
       .def("at_borders", [](const FaceFile& file) { return array_from(file.rows.at_borders()); })

@@ -103,7 +103,7 @@ py::object second_derivative(const Side& side, const Array& t) {
 }  // namespace
 
 void bind_patches(py::module_& m) {
-  py::class_<Surface, std::shared_ptr<Surface>>(m, "Patch", py::dynamic_attr(), "A surface over the triangle.")
+  shared_class<Surface>(m, "Patch", py::dynamic_attr(), "A surface over the triangle.")
       .def("_evaluate", &evaluate<Surface>)
       .def(
           "_energy",
@@ -134,22 +134,25 @@ void bind_patches(py::module_& m) {
       });
   m.def("_first_outside", [](const Array& b, double off) { return first_outside(rows_of(b), off); });
 
-  py::class_<Side>(m, "Side", "A side of the hole: position and the derivative of the surroundings across it.")
-      .def_static("_from_functions", &side_from_functions)
+  py::class_<Side> side(m, "Side", "A side of the hole: position and the derivative of the surroundings across it.");
+  side.def_static("_from_functions", &side_from_functions)
       .def("_evaluate", &evaluate_side)
       .def("_second_derivative", &second_derivative)
       .def("_part", &piece_of)
-      .def(py::pickle(
-          [](const Side& side) {
-            return py::make_tuple(state_of(side.c), state_of(side.r), state_of(side.q), side.rim, side.curvature_error);
-          },
-          [](const py::tuple& state) {
-            return Side{field_from(state[0]), field_from(state[1]), field_from(state[2]), state[3].cast<std::vector<double>>(),
-                        state[4].cast<double>()};
-          }))
+      .def("__getstate__",
+           [](const Side& side) {
+             return py::make_tuple(state_of(side.c), state_of(side.r), state_of(side.q), side.rim, side.curvature_error);
+           })
       .def("_moved", [](const Side& side, const std::array<double, 3>& start, const std::array<double, 3>& end) {
         return moved_ends(side, {start[0], start[1], start[2]}, {end[0], end[1], end[2]});
       });
+  define_constructor<const py::tuple&>(
+      side,
+      [](const py::tuple& state) {
+        return Side{field_from(state[0]), field_from(state[1]), field_from(state[2]), state[3].cast<std::vector<double>>(),
+                    state[4].cast<double>()};
+      },
+      "__setstate__");
 }
 
 void bind_making(py::module_& m) {

@@ -73,8 +73,7 @@ Report told_of_loops(const FillOptions& asked, const LoopsPatch& made) {
 }
 
 void bind_loops(py::module_& m) {
-  py::class_<LoopsSurface, Surface, std::shared_ptr<LoopsSurface>>(m, "LoopsPatch",
-                                                                   "A patch in a concave outline, or with loops inside.")
+  shared_class<LoopsSurface, Surface>(m, "LoopsPatch", "A patch in a concave outline, or with loops inside.")
       .def_property_readonly(
           "domain",
           [](const LoopsSurface& surface) {
@@ -107,7 +106,7 @@ void bind_loops(py::module_& m) {
 
 void bind_polygon(py::module_& m) {
   bind_loops(m);
-  py::class_<OverPolygon, Surface, std::shared_ptr<OverPolygon>>(m, "PolygonPatch", "A patch over a convex polygon.")
+  shared_class<OverPolygon, Surface>(m, "PolygonPatch", "A patch over a convex polygon.")
       .def_property_readonly(
           "domain",
           [](const OverPolygon& surface) {
@@ -121,7 +120,7 @@ void bind_polygon(py::module_& m) {
         for (std::size_t k = 0; k < t.size(); ++k) places.row(static_cast<Index>(k)) = surface.domain().on_side(i, t[k]);
         return array_from(places);
       });
-  py::class_<RoundSurface, Surface, std::shared_ptr<RoundSurface>>(m, "RoundPatch", "A patch over the unit disc.")
+  shared_class<RoundSurface, Surface>(m, "RoundPatch", "A patch over the unit disc.")
       .def_property_readonly(
           "domain",
           [](const RoundSurface&) {
@@ -130,11 +129,11 @@ void bind_polygon(py::module_& m) {
             return array_from(places);
           },
           "(64, 2) places on the unit circle, the first where the side begins.");
-  py::class_<PlanePatch, Surface, std::shared_ptr<PlanePatch>>(m, "PlanePatch", "A surface over a plane, for any rim.")
+  shared_class<PlanePatch, Surface>(m, "PlanePatch", "A surface over a plane, for any rim.")
       .def_property_readonly(
           "domain", [](const PlanePatch& surface) { return array_from(surface.rim()); },
           "(r, 2) the places of the rim's vertices, of islands those after them.");
-  py::class_<OverAnnulus, Surface, std::shared_ptr<OverAnnulus>>(m, "RingPatch", "A patch between two closed sides.")
+  shared_class<OverAnnulus, Surface>(m, "RingPatch", "A patch between two closed sides.")
       .def("_on_side",
            [](const OverAnnulus& surface, int i, const std::vector<double>& t) { return array_from(surface.on_side(i, t)); });
   m.def("_joined_side", [](const std::vector<Side>& pieces, const std::vector<std::vector<double>>& parameters) {
