@@ -61,7 +61,7 @@ public:
     }
   }
 
-  Vec3 corner(int) const { return Vec3::Zero(); }
+  Vec3 corner(int) const override { return Vec3::Zero(); }
   const PointFormula* formula() const override { return &formula_; }
 
   template <int N, class P>
