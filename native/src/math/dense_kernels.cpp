@@ -210,35 +210,58 @@ struct Reflecting {
   double* __restrict p;  // the matrix times it
 };
 
-/// What is lacking of the part of column j below its diagonal is taken away, and the column's share of p made.
-TRIPATCH_INLINE void reflect_one_column(const Reflecting& r, Index j) {
-  const double vj = r.v[j], wj = r.w[j], xj = r.x[j];
-  double* const __restrict a = r.a + j * r.n;
+/// What is lacking of so many columns from j on, below the diagonal, is taken away, and their share of p made.
+template <Index Columns>
+TRIPATCH_INLINE void reflect_some_columns(const Reflecting& r, Index j) {
+  const Index n = r.n;
+  double* const __restrict a = r.a + j * n;
   const double* const __restrict v = r.v;
   const double* const __restrict w = r.w;
   const double* const __restrict x = r.x;
   double* const __restrict p = r.p;
-  a[j] -= 2 * vj * wj;
-  double own = a[j] * xj;
-  Index i = j + 1;
+  double vj[Columns], wj[Columns], xj[Columns], own[Columns] = {};
+  for (Index c = 0; c < Columns; ++c) vj[c] = v[j + c], wj[c] = w[j + c], xj[c] = x[j + c];
+  const auto reflect_row = [&](Index i, Index columns) {
+    for (Index c = 0; c < columns; ++c) {
+      const double left = a[c * n + i] -= v[i] * wj[c] + w[i] * vj[c];
+      p[i] += left * xj[c];
+      own[c] += left * x[i];
+    }
+  };
+  for (Index c = 0; c < Columns; ++c) {
+    reflect_row(j + c, c);
+    own[c] += (a[c * n + j + c] -= 2 * vj[c] * wj[c]) * xj[c];
+  }
+  Index i = j + Columns;
 #ifdef __GNUC__
   typedef double Four __attribute__((vector_size(8 * four), aligned(8), may_alias));
-  Four sum = {};
-  for (; i + four <= r.n; i += four) {  // no function returns a Four: clang 14 takes its reference for aligned to 32 bytes
-    const Four left = *reinterpret_cast<const Four*>(a + i) - *reinterpret_cast<const Four*>(v + i) * wj -
-                      *reinterpret_cast<const Four*>(w + i) * vj;
-    *reinterpret_cast<Four*>(a + i) = left;
-    *reinterpret_cast<Four*>(p + i) += left * xj;
-    sum += left * *reinterpret_cast<const Four*>(x + i);
+  Four sum[Columns] = {};
+  for (; i + four <= n; i += four) {  // no function returns a Four: clang 14 takes its reference for aligned to 32 bytes
+    const Four vi = *reinterpret_cast<const Four*>(v + i), wi = *reinterpret_cast<const Four*>(w + i),
+               xi = *reinterpret_cast<const Four*>(x + i);
+    Four pi = *reinterpret_cast<const Four*>(p + i);
+#pragma GCC unroll 2
+    for (Index c = 0; c < Columns; ++c) {
+      Four& column = *reinterpret_cast<Four*>(a + c * n + i);
+      const Four left = column - vi * wj[c] - wi * vj[c];
+      column = left;
+      pi += left * xj[c];
+      sum[c] += left * xi;
+    }
+    *reinterpret_cast<Four*>(p + i) = pi;
   }
-  own += (sum[0] + sum[2]) + (sum[1] + sum[3]);
+  for (Index c = 0; c < Columns; ++c) own[c] += (sum[c][0] + sum[c][2]) + (sum[c][1] + sum[c][3]);
+  for (Index rest = 0; rest < four - 1 && i < n; ++rest, ++i) reflect_row(i, Columns);
+#else
+  for (; i < n; ++i) reflect_row(i, Columns);
 #endif
-  for (; i < r.n; ++i) {
-    a[i] -= v[i] * wj + w[i] * vj;
-    p[i] += a[i] * xj;
-    own += a[i] * x[i];
-  }
-  p[j] += own;
+  for (Index c = 0; c < Columns; ++c) p[j + c] += own[c];
+}
+
+/// The same of all from `first` on: two at a time read v, w, x and p once.
+TRIPATCH_INLINE void reflect_columns_from(const Reflecting& r, Index first) {
+  for (; first + 2 <= r.n; first += 2) reflect_some_columns<2>(r, first);
+  if (first < r.n) reflect_some_columns<1>(r, first);
 }
 
 /// The products of one kind of machine.
@@ -251,7 +274,7 @@ struct Products {
   void (*add_dots)(const double* a, Index m, Index n, const double* x, double* out);
   bool (*factor_symmetric)(double* a, Index n, double least);
   bool (*factor_panel)(double* a, Index n, Index from, Index to);
-  void (*reflect_column)(const Reflecting& r, Index j);
+  void (*reflect_from)(const Reflecting& r, Index first);
 };
 
 #define TRIPATCH_PRODUCTS(name, Registers, machine)                                                                         \
@@ -276,10 +299,10 @@ struct Products {
     return factor_symmetric_with<Registers>(a, n, least);                                                                   \
   }                                                                                                                         \
   machine bool factor_panel_##name(double* a, Index n, Index from, Index to) { return factor_panel_rows(a, n, from, to); }  \
-  machine void reflect_column_##name(const Reflecting& r, Index j) { reflect_one_column(r, j); }                            \
+  machine void reflect_from_##name(const Reflecting& r, Index first) { reflect_columns_from(r, first); }                    \
   constexpr Products name = {reflect_columns_##name,      add_gram_##name, subtract_gram_##name,    multiply_four_##name,   \
                              add_product_of_fours_##name, add_dots_##name, factor_symmetric_##name, factor_panel_##name,    \
-                             reflect_column_##name};
+                             reflect_from_##name};
 
 TRIPATCH_PRODUCTS(any_machine, AnyRegisters, )
 
@@ -397,8 +420,7 @@ Tridiagonal tridiagonalize(Eigen::MatrixXd& a, Eigen::MatrixXd& b) {
       x.tail(left - 1).setZero();
     }
     p.tail(left).setZero();
-    const Reflecting reflecting{a.data(), n, v.data(), w.data(), x.data(), p.data()};
-    for (Index j = k + 1; j < n; ++j) products.reflect_column(reflecting, j);
+    products.reflect_from({a.data(), n, v.data(), w.data(), x.data(), p.data()}, k + 1);
     p.tail(left) *= share;
     p.tail(left) -= share / 2 * p.tail(left).dot(x.tail(left)) * x.tail(left);
     for (Index c = 0; c < b.cols(); ++c) b.col(c).tail(left) -= share * x.tail(left).dot(b.col(c).tail(left)) * x.tail(left);
