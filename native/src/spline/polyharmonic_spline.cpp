@@ -203,52 +203,69 @@ void fit_all(PolyharmonicSpline::Part& part, const Contrasts& contrasts, const P
 }
 
 /// A field of one order through, or near, the samples that decide.
-struct FieldOfOrder {
-  PolyharmonicSpline::Part part;
-  Contrasts contrasts;
-  MatrixXd lower;  // as Contrasts::factor makes it
-  PolyharmonicSum sum;
+class FieldOfOrder {
+public:
+  FieldOfOrder(const Contrasts& contrasts, PolyharmonicSpline::Part part, const Points& samples)
+      : part_(std::move(part)), basis_(contrasts.basis), triangle_(contrasts.triangle) {
+    fit(part_, contrasts, samples, lower_);
+    among_ = basis_.transpose() * contrasts.along;
+    among_.diagonal().array() += part_.used_nugget;
+    taken_.resize(2 * contrasts.q, basis_.rows());
+    taken_ << basis_.transpose(), contrasts.of(contrasts.along).transpose();
+  }
+  double order() const { return part_.order; }
+  double share() const { return part_.share; }
 
-  VectorXd heights(const PlanePoints& at, const Points& directions) const {
-    return sum.values(at).cwiseProduct(directions).rowwise().sum();
-  }
-  /// apart: distances of the samples' places from there.
-  VectorXd variance(const PlanePoints& at, const PlaneDistances& apart) const {
-    const MatrixXd free = free_monomials(at, part.order), kernel = polyharmonic_kernel(part.order, apart);
+  struct At {
+    VectorXd heights, variance;  ///< along directions
+  };
+  /// apart: distances of the points from the samples' places.
+  At at(const PlanePoints& points, const PlaneDistances& apart, const Points& directions) const {
+    const MatrixXd free = free_monomials(points, part_.order), kernel = polyharmonic_kernel(part_.order, apart);
+    const MatrixXd values = product(kernel, part_.weights) + free * part_.polynomial;
     // the polynomial through the samples that is nearest, and the contrast of a point with it
-    const MatrixXd own_share = contrasts.triangle.transpose().triangularView<Eigen::Lower>().solve(free.transpose());
-    const MatrixXd nearest = contrasts.basis * own_share;
-    const MatrixXd among = (contrasts.along + part.used_nugget * contrasts.basis) * own_share;
-    const VectorXd own = nearest.cwiseProduct(among - 2 * kernel).colwise().sum().transpose();
-    RowMajor known = contrasts.of(kernel - among);
-    solve_lower_triangular(lower, known);
-    return part.variance * (own - known.colwise().squaredNorm().transpose()).cwiseMax(0);
+    MatrixXd shares(free.rows(), 2 * free.cols());
+    auto within = shares.leftCols(free.cols()), own = shares.rightCols(free.cols());
+    within = product(kernel, basis_);
+    own = triangle_.transpose().triangularView<Eigen::Lower>().solve(free.transpose()).transpose();
+    const VectorXd nearest = own.cwiseProduct(own * among_ - 2 * within).rowwise().sum();
+    const MatrixXd contrast = kernel - product(shares, taken_);
+    RowMajor known = contrast.transpose();
+    solve_lower_triangular(lower_, known);
+    return {values.cwiseProduct(directions).rowwise().sum(),
+            part_.variance * (nearest - known.colwise().squaredNorm().transpose()).cwiseMax(0)};
   }
+
+private:
+  PolyharmonicSpline::Part part_;
+  MatrixXd basis_, triangle_;  // as those of the contrasts
+  MatrixXd lower_;             // as Contrasts::factor makes it
+  MatrixXd among_;             // the kernel with noise, of the basis
+  MatrixXd taken_;             // the basis, and contrasts of the kernel with it, by rows
 };
 
-/// Of each order that the true surface may have, with its share.
-std::vector<FieldOfOrder> possible_fields(const DecidingSamples& deciding, double roughness) {
-  std::set<double> orders;
-  for (const auto& [order, likelihood] : deciding.known)
-    for (int more = 0; more <= smoother; ++more) orders.insert(order + more);
+/// Of each order that the true surface may have, with its share: those of a spline, and smoother ones.
+std::vector<FieldOfOrder> possible_fields(const DecidingSamples& deciding, const std::vector<PolyharmonicSpline::Part>& parts,
+                                          double roughness) {
+  std::set<double> own;
+  for (const PolyharmonicSpline::Part& part : parts) own.insert(part.order);
+  std::set<double> orders = own;
+  for (int more = 1; more <= smoother; ++more)
+    if (const double order = *own.rbegin() + more; !deciding.known.contains(order)) orders.insert(order);  // else it is unlikely
   MatrixXd room;
-  std::vector<OrderFound> found = orders_found(deciding, {orders.begin(), orders.end()}, room);
+  const std::vector<OrderFound> found = orders_found(deciding, {orders.begin(), orders.end()}, room);
   std::vector<double> shares = shares_of(found, deciding.places.rows());
   take_lowest(roughness, shares);
   std::vector<FieldOfOrder> fields;
   for (std::size_t k = 0; k < found.size(); ++k) {
-    auto& [order, contrasts, likelihood] = found[k];
-    if (shares[k] < min_share && !deciding.known.contains(order)) continue;
+    const auto& [order, contrasts, likelihood] = found[k];
+    if (shares[k] < min_share && !own.contains(order)) continue;
     PolyharmonicSpline::Part part;
     part.order = order;
     part.share = shares[k];
     part.nugget = likelihood.nugget;
     part.variance = likelihood.variance;
-    MatrixXd lower;
-    fit(part, contrasts, deciding.samples, lower);
-    PolyharmonicSum sum(deciding.places);
-    sum.add(order, 1, part.weights, part.polynomial);
-    fields.push_back({std::move(part), std::move(contrasts), std::move(lower), std::move(sum)});
+    fields.emplace_back(contrasts, std::move(part), deciding.samples);
   }
   return fields;
 }
@@ -404,25 +421,23 @@ void PolyharmonicSpline::evaluate(const double* b, Index n, int order, double* o
 
 VectorXd PolyharmonicSpline::deviation(const PlanePoints& points, const Points& directions) const {
   if (points.rows() == 0) return {};  // Eigen solves for no columns at a null pointer
-  const std::vector<FieldOfOrder> fields = possible_fields(*deciding_, roughness_);
+  const std::vector<FieldOfOrder> fields = possible_fields(*deciding_, parts_, roughness_);
   const PlanePoints at = normalised(points);
   VectorXd variance = VectorXd::Zero(at.rows());
   for (Index first = 0; first < at.rows(); first += points_at_once) {
     check_interruption();
     const Index count = std::min(points_at_once, at.rows() - first);
     const PlanePoints some = at.middleRows(first, count);
-    const PlaneDistances apart(deciding_->places, some);
-    MatrixXd heights(count, static_cast<Index>(fields.size()));
+    const PlaneDistances apart(some, deciding_->places);
     VectorXd surface = VectorXd::Zero(count);  // this one, by the same samples as the others
-    for (std::size_t k = 0; k < fields.size(); ++k) {
-      const auto own = std::ranges::find(parts_, fields[k].part.order, &Part::order);
-      heights.col(static_cast<Index>(k)) = fields[k].heights(some, directions.middleRows(first, count));
-      if (own != parts_.end()) surface += own->share * heights.col(static_cast<Index>(k));
+    std::vector<FieldOfOrder::At> found;
+    for (const FieldOfOrder& field : fields) {
+      found.push_back(field.at(some, apart, directions.middleRows(first, count)));
+      const auto own = std::ranges::find(parts_, field.order(), &Part::order);
+      if (own != parts_.end()) surface += own->share * found.back().heights;
     }
-    for (std::size_t k = 0; k < fields.size(); ++k) {
-      const VectorXd off = heights.col(static_cast<Index>(k)) - surface;
-      variance.segment(first, count) += fields[k].part.share * (fields[k].variance(some, apart) + off.cwiseAbs2());
-    }
+    for (std::size_t k = 0; k < fields.size(); ++k)
+      variance.segment(first, count) += fields[k].share() * (found[k].variance + (found[k].heights - surface).cwiseAbs2());
   }
   return deciding_->unit * variance.cwiseSqrt();
 }

@@ -34,14 +34,15 @@ inline Eigen::MatrixXd free_monomials(const PlanePoints& c, double order) {
   return out;
 }
 
-/// a b for a symmetric a (n, n), all of which is there, and b (n, k).
-inline Eigen::MatrixXd symmetric_times(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+/// a b for a (m, n) and b (n, k).
+inline Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   constexpr Index four = 4;
-  const Index n = a.rows(), k = b.cols(), padded = (k + four - 1) / four * four;
-  Eigen::MatrixXd from = Eigen::MatrixXd::Zero(n, padded), out(n, padded);
+  const Index m = a.rows(), n = a.cols(), k = b.cols(), padded = (k + four - 1) / four * four;
+  Eigen::MatrixXd from = Eigen::MatrixXd::Zero(n, padded), out(m, padded);
   from.leftCols(k) = b;
-  for (Index j = 0; j < padded; j += four) multiply_four(from.col(j).data(), n, a.data(), n, out.col(j).data(), n);
-  return out.leftCols(k);
+  for (Index j = 0; j < padded; j += four) multiply_four(from.col(j).data(), n, a.data(), m, out.col(j).data(), m);
+  out.conservativeResize(m, k);
+  return out;
 }
 
 /// The kernel among samples, seen through contrasts: combinations of samples in which polynomials cancel. Polynomials themselves
@@ -53,7 +54,7 @@ struct Contrasts {
     OrthonormalColumns polynomials = orthonormal_columns(free_monomials(c, order), false);
     basis = std::move(polynomials.basis);
     triangle = std::move(polynomials.triangle);
-    along = symmetric_times(inner, basis);
+    along = product(inner, basis);
     Eigen::MatrixXd turned = along;
     const Eigen::MatrixXd within = basis.transpose() * turned;
     const double trace = inner.trace() - 2 * within.trace() + within.trace();
