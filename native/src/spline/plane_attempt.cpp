@@ -156,8 +156,10 @@ bool takes_further(const Disc& disc, const PlaneRim& rim) {
   return disc.rings >= rings_for_further && disc.rim <= long_rim && rim.surroundings.islands.empty();
 }
 
+/// max_left: nothing is fitted where the reference leaves more.
 std::optional<Attempt> attempt(const Disc& disc, const PlaneRim& rim, const std::vector<Index>& samples,
-                               const FieldOptions& fields, const PlaneFillOptions& options, const Attempt* before) {
+                               const FieldOptions& fields, const PlaneFillOptions& options, const Attempt* before,
+                               double max_left = std::numeric_limits<double>::infinity()) {
   std::optional<PlanePoints> uv;
   if (disc.rim > long_rim) uv = seen_from_above(disc, rim);
   const bool from_above = uv.has_value();
@@ -174,6 +176,7 @@ std::optional<Attempt> attempt(const Disc& disc, const PlaneRim& rim, const std:
   const BaseSurface free(laid, at, free_degree);
   const bool details = free.distance_across() > detail * rim.edge;
   const BaseSurface reference = details ? free : BaseSurface(laid, at, stiff_degree);
+  if (!(reference.distance_across() < max_left)) return {};
   std::vector<Places> places = {{laid, uv->topRows(disc.rim)}};
   if (!from_above)  // that is as smooth as the surface already
     places = places_to_try(disc, reference, places[0], at, details && !before && takes_further(disc, rim));
@@ -266,8 +269,8 @@ bool look_farther(const Mesh& mesh, const Connectivity& around, const std::vecto
   if (!between(min_noise, result.field->noise(), too_rough) || !between(-1, result.left_by_reference, detail)) return false;
   Disc wide = disc_to_sample(mesh, around, loops, noisy_reach_share * rim.diameter, max_rings);
   if (wide.rings <= disc.rings) return false;
-  std::optional<Attempt> next = attempt(wide, rim, spread_samples(wide, rim.edge), fields, options, &result);
-  if (!next || !between(-1, next->left_by_reference, detail) || !stays_near(next->made.points, rim)) return false;
+  std::optional<Attempt> next = attempt(wide, rim, spread_samples(wide, rim.edge), fields, options, &result, detail * rim.edge);
+  if (!next || !stays_near(next->made.points, rim)) return false;
   next->fed_back = result.fed_back;
   next->few |= result.few;
   result = std::move(*next);
