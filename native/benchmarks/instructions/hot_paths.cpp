@@ -108,14 +108,17 @@ void borders() {
   border_loops(Connectivity(many.mesh()));
 }
 
-/// Of a waving, jagged rim of 10,000 vertices: by parts, for the work to grow little faster than the rim.
+/// Of a waving, jagged rim of 10,000 vertices: by parts, for the work to grow little faster than the rim. Each time of another size, for the
+/// last results are kept.
 void roughly() {
   constexpr Index edges = 10'000;
+  static double size = 50;
+  size *= 2;
   Points rim(edges, 3);
   for (Index k = 0; k < edges; ++k) {
     const double turn = 2 * std::numbers::pi * static_cast<double>(k) / edges,
                  out = 1 + 1e-4 * static_cast<double>(k * k % 7919) / 7919;
-    rim.row(k) << 100 * out * std::cos(turn), 100 * out * std::sin(turn), 20 * std::sin(3 * turn);
+    rim.row(k) << size * out * std::cos(turn), size * out * std::sin(turn), size / 5 * std::sin(3 * turn);
   }
   min_weight_triangulation(rim);
 }

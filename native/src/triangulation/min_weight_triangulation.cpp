@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <queue>
 #include <tuple>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/lru_cache.h"
 #include "tripatch/math/simd.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/edge_key.h"
@@ -469,9 +471,7 @@ RoughFill without_crossings(const PointsRef& points, const RimPolygon& polygon, 
   return {std::move(best->triangles), std::move(first.triangles)};
 }
 
-}  // namespace
-
-RoughFill min_weight_triangulation(const PointsRef& points, const RimSurroundings& rim) {
+RoughFill made_anew(const PointsRef& points, const RimSurroundings& rim) {
   std::vector<EdgeKey> joined, bridges;
   for (const auto& [a, b] : rim.joined) joined.push_back(edge_key(a, b));
   std::sort(joined.begin(), joined.end());
@@ -480,6 +480,21 @@ RoughFill min_weight_triangulation(const PointsRef& points, const RimSurrounding
   joined.erase(std::unique(joined.begin(), joined.end()), joined.end());
   result.doubles_edges = !without_doubles(result.triangles, joined);
   return result;
+}
+
+}  // namespace
+
+RoughFill min_weight_triangulation(const PointsRef& points, const RimSurroundings& rim) {
+  static LruCache<RoughFill> last;  // a hole is filled several times, each time with less of its surroundings
+  Key key;
+  key.add(rim.islands);
+  for (const Points& each : {Points(points), rim.normals}) {
+    key.add(static_cast<double>(each.rows()));
+    key.add(each.reshaped());
+  }
+  for (const auto& [a, b] : rim.joined) key.add(static_cast<double>(a)), key.add(static_cast<double>(b));
+  if (const auto found = last.find(key)) return *found;
+  return *last.keep(std::move(key), std::make_shared<RoughFill>(made_anew(points, rim)));
 }
 
 }  // namespace tripatch
