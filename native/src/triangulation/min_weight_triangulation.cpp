@@ -6,11 +6,13 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <queue>
 #include <tuple>
+#include <unordered_map>
 
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/lru_cache.h"
@@ -319,7 +321,7 @@ private:
     Apex best = best_apex(i, k);
     const auto& of = polygon.vertices;
     for (; left_alone_ && best.worst > crossed; best = best_apex(i, k)) {
-      if (!left_alone_->goes_through({of[i], of[best.place], of[k]})) break;
+      if (!is_pierced({of[i], of[best.place], of[k]})) break;
       score_[best.place - first] = crossed;
     }
     apex_(i, k) = static_cast<int>(best.place);
@@ -327,6 +329,15 @@ private:
     area_(i, k) = area_(k, i) = best.area;
     const Eigen::Vector3d normal = triangle(i, best.place, k).stableNormalized();
     for (int c = 0; c < 3; ++c) normal_[c](i, k) = normal_[c](k, i) = normal[c];
+  }
+
+  /// Whether the line that is left alone goes through a triangle. One triangulation after the other asks for the same triangles.
+  bool is_pierced(const std::array<Index, 3>& triangle) {
+    std::uint64_t key = 0;
+    for (const Index v : triangle) key = key * static_cast<std::uint64_t>(points_.rows()) + static_cast<std::uint64_t>(v);
+    const auto [entry, is_new] = pierced_.try_emplace(key, false);
+    if (is_new) entry->second = left_alone_->goes_through(triangle);
+    return entry->second;
   }
 
   /// The scores of all apexes of chord (i, k) where the worst angle counts, that over the faces beyond among them.
@@ -410,6 +421,7 @@ private:
   std::vector<EdgeKey> joined_, bridges_;  // ordered pairs, sorted
   std::vector<EdgeKey> avoided_;
   const ClosedLine* left_alone_ = nullptr;
+  std::unordered_map<std::uint64_t, bool> pierced_;  // what is_pierced found
   bool by_area_ = false;
   std::vector<Index> place_;
   std::array<Square, 3> normal_;  // of the triangle at chord (i, k), and at (k, i) again; of the faces beyond for (k, k + 1)
