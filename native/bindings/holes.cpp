@@ -7,6 +7,7 @@
 #include "tripatch/creases/features.h"
 #include "tripatch/estimate/local_mesh.h"
 #include "tripatch/hole/choose_holes.h"
+#include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/corners.h"
 #include "tripatch/hole/hole.h"
 #include "tripatch/hole/islands.h"

@@ -4,7 +4,7 @@
 #include "bytes.h"
 #include "tripatch/cage/limit_points.h"
 #include "tripatch/hole/choose_holes.h"
-#include "tripatch/hole/corners.h"
+#include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/hole.h"
 #include "tripatch/hole/outer_borders.h"
 #include "tripatch/mesh/vertex_normals.h"

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/corners.h"
 
 namespace tripatch::testing {
@@ -40,6 +41,26 @@ struct PlaneRim {
     }
   }
   Mesh mesh() const { return {vertices, faces}; }
+  std::vector<Index> clear() const { return clear_corners(mesh(), Connectivity(mesh()), rim); }
+  std::vector<Index> detected() const { return detect_corners(mesh(), Connectivity(mesh()), rim); }
+  bool round() const { return is_round(mesh(), Connectivity(mesh()), rim); }
 };
+
+/// `corners` of them turn by so many degrees, the other vertices, `between` from each to the next, by what is left, alike.
+inline PlaneRim bowed(int corners, double degrees, int between) {
+  std::vector<double> turns(between + 1, (360.0 / corners - degrees) / between);
+  turns[0] = degrees;
+  return PlaneRim(turns, corners);
+}
+
+/// Sides of so many straight edges.
+inline PlaneRim straight(const std::vector<double>& turns, int folds, const std::vector<int>& edges) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < turns.size(); ++i) {
+    all.push_back(turns[i]);
+    all.insert(all.end(), edges[i] - 1, 0.0);
+  }
+  return PlaneRim(all, folds);
+}
 
 }  // namespace tripatch::testing

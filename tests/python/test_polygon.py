@@ -158,8 +158,8 @@ def test_the_open_end_of_a_box_is_flat():
     assert np.abs(fill.vertices[:, 2]).max() < 1e-12
 
 
-def test_a_corner_that_turns_little_leaves_the_fill_accurate():
-    # seven clear corners and one of 15 degrees, which a round rim turns as well
+def test_a_corner_that_turns_little_is_no_kink_in_a_side():
+    # seven clear corners and one of 15 degrees: of three or four that a window sees nothing good was made
     turns = np.array([60, 40, 15, 60, 45, 50, 45, 45])
     vertices, faces, corners = around(8)
     directions = np.radians(np.cumsum(turns))
@@ -173,8 +173,7 @@ def test_a_corner_that_turns_little_leaves_the_fill_accurate():
     rim = np.concatenate([(1 - t) * ends[i] + t * ends[(i + 1) % 8] for i in range(8)])
     plane = ((1 + 0.1 * np.arange(6))[:, None, None] * rim[None]).reshape(-1, 2)
     vertices = np.column_stack([plane, 0.3 * (plane[:, 0] ** 2 - 0.6 * plane[:, 1] ** 2)])
-    found = tripatch.find_corners(vertices, faces, np.arange(64), any_number=True)
-    assert sorted(found) == [c for c in corners if c != 8]
+    assert sorted(tripatch.find_corners(vertices, faces, np.arange(64), any_number=True)) == corners
     fill = tripatch.fill(vertices, faces, rim=np.arange(64))
     off = fill.vertices[:, 2] - 0.3 * (fill.vertices[:, 0] ** 2 - 0.6 * fill.vertices[:, 1] ** 2)
     assert np.abs(off).max() < 1e-4

@@ -9,7 +9,7 @@
 
 #include "tripatch/cage_fills/tried_cages.h"
 #include "tripatch/fill/insisted.h"
-#include "tripatch/hole/corners.h"
+#include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"

@@ -5,7 +5,7 @@
 
 #include "tripatch/creases/features.h"
 #include "tripatch/fill/any_rim_fill.h"
-#include "tripatch/hole/corners.h"
+#include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"

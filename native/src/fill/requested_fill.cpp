@@ -8,7 +8,7 @@
 #include "tripatch/fill/automatic_fill.h"
 #include "tripatch/fill/polygon_fill.h"
 #include "tripatch/fill/triangle_fill.h"
-#include "tripatch/hole/corners.h"
+#include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/shaped.h"

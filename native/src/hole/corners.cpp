@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <optional>
-#include <utility>
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
@@ -20,17 +18,15 @@ using Loop = std::vector<Index>;
 
 // Seen over the window, a round rim turns by 15 degrees, the ten test holes by 65 to 155 at their corners and by no more than 27
 // elsewhere.
-constexpr double over_others =
-    2;  ///< a corner turns by this many times what a round rim of such edges turns, or the vertices next to it,
-constexpr double sure_turn = 55 * std::numbers::pi / 180;  ///< or by this whatever the number of edges: a hexagon has six corners
+constexpr double clear_turn = 40 * std::numbers::pi / 180;  ///< a corner turns by at least this
+constexpr double sure_turn =
+    55 * std::numbers::pi / 180;      ///< and is one whatever the number of edges (a hexagon has six corners)
+constexpr double over_round = 1.5;    ///< less sure ones: by this many times what a round rim of such edges turns,
+constexpr double over_neighbors = 2;  ///< or by this many times what it turns at the vertices next to it
 constexpr double crisp_turn =
     75 * std::numbers::pi / 180;          ///< a single vertex that turns by this is never part of another corner,
 constexpr double crisp_share = 1.0 / 12;  ///< given that its edges are this long, in windows: those of no length turn by noise
-
-/// Edges of a side in the mean: of shorter sides nobody knows which way they run.
-constexpr std::size_t mean_edges = 3;
-/// The end of a prism of so few walls has a corner at every vertex: of more it may be a coarse tube.
-constexpr std::size_t max_walls = 6;
+constexpr std::size_t max_corners = 12;   ///< counted; a rim with more has none that is clear
 
 /// How far the rim turns around each vertex: the mean direction over a window after it against that before it. That weights
 /// the turns at the vertices by a tent, so noise, whose turns cancel, counts little and uneven spacing not at all.
@@ -74,9 +70,9 @@ std::vector<Index> turning_corners(RimShape shape, const Loop& rim) {
     for (Index k = 0; k < n; ++k) {
       const Index before = (k + n - 1) % n, after = (k + 1) % n;
       const double round = 2 * std::numbers::pi * std::max(window, 0.5 * (length[before] + length[k])) / total;
-      const bool clear = at_least(over[k], over_others * 2 * std::numbers::pi * window_share) &&
-                         (at_least(over[k], std::min(over_others * round, sure_turn)) ||
-                          at_least(over[k], over_others * std::max(at_vertex[before], at_vertex[after])));
+      const bool clear =
+          at_least(over[k], clear_turn) && (at_least(over[k], std::min(over_round * round, sure_turn)) ||
+                                            at_least(over[k], over_neighbors * std::max(at_vertex[before], at_vertex[after])));
       if (is_corner[k] || !clear) continue;
       // equally strong ones: the lowest vertex, not the last bit
       const double lead = best < 0 ? 1 : over[k] - over[best];
@@ -100,17 +96,6 @@ std::vector<Index> turning_corners(RimShape shape, const Loop& rim) {
   return corners;
 }
 
-/// Whether the rim turns inwards as it turns at corners: such holes are not convex.
-bool turns_inwards(RimShape shape, const Loop& rim) {
-  for (double& turn : shape.turn) turn = -turn;
-  return !turning_corners(std::move(shape), rim).empty();
-}
-
-/// Whether what lies between corners, all around if there are none, is smooth.
-bool are_smooth_sides(const Mesh& mesh, const Connectivity& around, const Loop& rim, const std::vector<Index>& corners) {
-  return zigzag(mesh, rim, corners) <= smooth_sides && !turns_inwards(measure(mesh, around, rim), rim);
-}
-
 /// Where a rim of quads leaves the lines of its grid: three of their faces meet there, two at every other vertex of the rim. Empty
 /// where it is not so.
 std::vector<Index> grid_corners(const Connectivity& around, const Loop& rim) {
@@ -125,20 +110,6 @@ std::vector<Index> grid_corners(const Connectivity& around, const Loop& rim) {
   return corners;
 }
 
-bool meet_at_angle(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim,
-                   const std::vector<Index>& places) {
-  return places.size() >= 2 && places.size() <= max_corners && any_sharp(sharp_sides(mesh, around, rim, places));
-}
-
-/// As detect_corners; none where the faces around tell nothing.
-std::optional<std::vector<Index>> corners_if_told(const Mesh& mesh, const Connectivity& around, const Loop& rim) {
-  try {
-    return detect_corners(mesh, around, rim);
-  } catch (const Refusal&) {
-    return {};
-  }
-}
-
 }  // namespace
 
 std::vector<Index> detect_corners(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
@@ -147,7 +118,7 @@ std::vector<Index> detect_corners(const Mesh& mesh, const Connectivity& around, 
   if (shape.without_area) throw CodedRefusal(Code::faces_without_area, {rim[0]});
   // Faces that meet the hole at an angle tell of another plane than the one in which the rim turns.
   const std::vector<Index> alone = turning_corners(measure_alone(mesh, rim), rim);
-  if (meet_at_angle(mesh, around, rim, alone)) return alone;
+  if (alone.size() >= 2 && alone.size() <= max_corners && any_sharp(sharp_sides(mesh, around, rim, alone))) return alone;
   std::vector<Index> corners = turning_corners(shape, rim);
   if (corners.size() == 3) return corners;
   // on a round shape the lines themselves turn, as they do over the edges of a cube made a sphere
@@ -163,33 +134,6 @@ std::array<Index, 3> three_corners(const Mesh& mesh, const Connectivity& around,
   if (corners.empty()) throw CodedRefusal(Code::no_clear_corners, {rim[0]});
   if (corners.size() > max_corners) throw CodedRefusal(Code::too_many_corners, {{"most", max_corners}}, where);
   throw CodedRefusal(Code::not_three_corners, {{"count", corners.size()}}, where);
-}
-
-bool is_round(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
-  const std::optional<std::vector<Index>> corners = corners_if_told(mesh, around, rim);
-  return corners && corners->empty() && are_smooth_sides(mesh, around, rim, {});
-}
-
-std::vector<Index> corners_between_sides(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
-  const std::vector<Index> corners = corners_if_told(mesh, around, rim).value_or(std::vector<Index>());
-  const std::size_t count = corners.size();
-  const bool may_be = count >= 2 && count <= max_corners && count * mean_edges <= rim.size();
-  return count == 3 || (may_be && are_smooth_sides(mesh, around, rim, corners)) ? corners : std::vector<Index>();
-}
-
-std::vector<Index> corners_between_sharp(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
-  std::optional<std::vector<Index>> places = corners_if_told(mesh, around, rim);
-  if (!places) return {};
-  if (places->empty() && rim.size() <= max_walls) {
-    places->resize(rim.size());
-    std::iota(places->begin(), places->end(), Index{0});
-  }
-  return meet_at_angle(mesh, around, rim, *places) ? *places : std::vector<Index>();
-}
-
-std::vector<Index> corners_of_fill(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& rim) {
-  std::vector<Index> places = corners_between_sides(mesh, around, rim);
-  return places.empty() ? corners_between_sharp(mesh, around, rim) : places;
 }
 
 }  // namespace tripatch
