@@ -16,10 +16,10 @@
 
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/lru_cache.h"
-#include "tripatch/math/simd.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/edge_key.h"
 #include "tripatch/report/crossings.h"
+#include "tripatch/triangulation/apexes.h"
 #include "tripatch/triangulation/closed_line.h"
 #include "tripatch/triangulation/rim_polygon.h"
 #include "tripatch/triangulation/without_doubles.h"
@@ -31,10 +31,6 @@ using Row = Eigen::Array<double, 1, Eigen::Dynamic>;
 using Square = Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr Index largest_exact = 200;  // vertices: 1.3 million triangles are compared, in some 5 ms
-// Angles whose signed squared cosines round to the same are equally good, and the area decides: within 4 degrees at 0 and 90.
-// Numbers of this size are 1 / 256 apart.
-constexpr double rounder = 1.5 * (1LL << 44);
-constexpr double flat = 1e-8;  // squared: twice the area over the squared longest edge of a triangle that has no normal
 /// Triangulations of a kind that are tried until one does not cross itself: those with the least worst angle, the same without triangles that the rim
 /// goes through, then those with the least area. Of 76 rims of real meshes, up to 113 vertices, 39 have one of the first kind, 73 one of the
 /// second, 61 at once, and 75 one of the third, 72 at once. Of 30,000 rims of 12 and 14 random vertices 15 are filled otherwise with one of the third
@@ -50,47 +46,6 @@ constexpr double goes_on = 0.7;
 constexpr double unknown = 2;     // in place of the cosine's square where no face lies beyond: more than any
 constexpr double crossed = -1.5;  // in place of the square: worse than any angle
 constexpr double joined_already = -2, impossible = -4;  // worse than that; an edge to itself
-
-/// What the apexes of a chord (i, k) are compared by, one after the other from vertex i + 1 on.
-struct Apexes {
-  std::array<const double*, 3> x;              // the vertices themselves
-  std::array<double, 3> start, chord;          // vertex i, and from there to k
-  std::array<const double*, 3> before, after;  // the normals at the chords (i, m) and (m, k)
-  const double *worst_before, *worst_after;    // of the fills beyond them
-  Index count;
-};
-
-#ifdef TRIPATCH_PACKS
-/// The same bits as Filler::compare, of four apexes or more. only_best: where four are all worse than one before them, only so much as the
-/// fills beyond them tell.
-TRIPATCH_PACKED void compare_packed(const Apexes& apexes, bool only_best, double* score) {
-  const auto& [x, start, chord, before, after, worst_before, worst_after, count] = apexes;
-  const double e2 = chord[0] * chord[0] + chord[1] * chord[1] + chord[2] * chord[2];
-  const double tiny = std::numeric_limits<double>::min();
-  const Pack one = all_lanes(1);
-  double threshold = -std::numeric_limits<double>::infinity();
-  for (Index next = 0; next < count; next += lanes) {
-    const Index j = std::min(next, count - lanes);  // the last four overlap others
-    const Pack beyond = smaller(loaded(worst_before + j), loaded(worst_after + j));
-    if (!any_at_least(beyond, threshold)) {
-      store(beyond, score + j);
-      continue;
-    }
-    const Pack ux = loaded(x[0] + j) - start[0], uy = loaded(x[1] + j) - start[1], uz = loaded(x[2] + j) - start[2];
-    const Pack nx = uy * chord[2] - uz * chord[1], ny = uz * chord[0] - ux * chord[2], nz = ux * chord[1] - uy * chord[0];
-    const Pack square = nx * nx + ny * ny + nz * nz, lengths = e2 + ux * ux + uy * uy + uz * uz;
-    const Pack least = smaller(square / (lengths * lengths * flat + tiny), one);
-    const Pack cosine = smaller(nx * loaded(before[0] + j) + ny * loaded(before[1] + j) + nz * loaded(before[2] + j),
-                                nx * loaded(after[0] + j) + ny * loaded(after[1] + j) + nz * loaded(after[2] + j));
-    const Pack size = cosine < 0 ? -cosine : cosine;
-    const Pack angle = cosine * size / (square + tiny) * least - (one - least);
-    const Pack found = smaller((angle + rounder) - rounder, beyond);
-    store(found, score + j);
-    if (only_best && any_at_least(found, threshold))
-      for (int lane = 0; lane < lanes; ++lane) threshold = std::max(threshold, found[lane]);
-  }
-}
-#endif
 
 class Filler {
 public:
@@ -141,7 +96,7 @@ private:
       const Vec3 x = points_.row(polygon.vertices[a]), y = points_.row(polygon.vertices[b]), z = points_.row(polygon.vertices[c]);
       const Vec3 normal = (y - x).cross(z - x);
       const double longest = std::max({(y - x).squaredNorm(), (z - x).squaredNorm(), (z - y).squaredNorm()});
-      return normal.squaredNorm() > flat * longest * longest ? normal.stableNormalized() : Vec3(Vec3::Zero());
+      return normal.squaredNorm() > without_normal * longest * longest ? normal.stableNormalized() : Vec3(Vec3::Zero());
     };
     const auto consider = [&](Index b) {
       const Index a = previous[b], c = next[b], v = polygon.vertices[a], w = polygon.vertices[c];
@@ -386,24 +341,24 @@ private:
     ny = uz * ex - ux * ez;
     nz = ux * ey - uy * ex;
     square = nx.square() + ny.square() + nz.square();
-    least = (e2 + ux.square() + uy.square() + uz.square()).square() * flat + std::numeric_limits<double>::min();
+    least = (e2 + ux.square() + uy.square() + uz.square()).square() * without_normal + std::numeric_limits<double>::min();
     least = (square / least).min(1.0);  // below 1: the triangle has no normal to speak of
     score = (nx * of(normal_[0], i) + ny * of(normal_[1], i) + nz * of(normal_[2], i))
                 .min(nx * of(normal_[0], k) + ny * of(normal_[1], k) + nz * of(normal_[2], k));
     score = score * score.abs() / (square + std::numeric_limits<double>::min()) * least - (1 - least);
-    score = ((score + rounder) - rounder).min(of(worst_, i)).min(of(worst_, k));
+    score = ((score + score_rounder) - score_rounder).min(of(worst_, i)).min(of(worst_, k));
   }
   void rescore(double& score, Index i, Index m, Index k, const Eigen::Vector3d& beyond, double worst) const {
     const bool alone = m - i == 1 && k - m == 1 && beyond.isZero();
     const Eigen::Vector3d normal = triangle(i, m, k);
     score = std::min(rounded(alone ? signed_square(i, m, k, normal.stableNormalized()) : signed_square(i, m, k, beyond)), worst);
   }
-  static double rounded(double s) { return (s + rounder) - rounder; }
+  static double rounded(double s) { return (s + score_rounder) - score_rounder; }
   /// Of the cosine of the angle between a triangle's normal and a unit normal; towards -1 where the triangle has none, as in compare().
   double signed_square(Index i, Index m, Index k, const Eigen::Vector3d& beyond) const {
     const Eigen::Vector3d normal = triangle(i, m, k);
     const double c = normal.dot(beyond), square = normal.squaredNorm(), lengths = edge_square(i, m) + edge_square(i, k);
-    const double least = std::min(square / (lengths * lengths * flat + std::numeric_limits<double>::min()), 1.0);
+    const double least = std::min(square / (lengths * lengths * without_normal + std::numeric_limits<double>::min()), 1.0);
     return std::clamp(c * std::abs(c) / (square + std::numeric_limits<double>::min()), -1.0, 1.0) * least - (1 - least);
   }
   double edge_square(Index i, Index k) const {
