@@ -92,7 +92,7 @@ Quality judged(FillProblem& problem, const Fill& fill) {
   const FillContext& context = problem.context;
   const bool is_known = fill.report.method == spline_method || fill.report.triangles_folded == 0;
   const Index forced = is_known ? fill.report.rim_folded : folds_of_rim(context.mesh, context.left, {fill.rim});
-  Quality quality = quality_of(context.mesh, fill, forced, problem.options);
+  Quality quality = quality_of(context.mesh, fill, problem.size, forced, problem.options);
   const Fill* const only = &fill;
   if (context.keeps_clear && context.passages_of({&only, 1}, problem.options)[0]) quality.crosses = true;
   return quality;

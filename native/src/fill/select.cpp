@@ -62,7 +62,7 @@ double least_error(double degrees, double size) { return error_by_planes * degre
 
 bool is_negligible(double error, double size) { return error <= negligible * size; }
 
-Quality quality_of(const Mesh& mesh, const Fill& fill, Index forced_folds, const FillOptions& options) {
+Quality quality_of(const Mesh& mesh, const Fill& fill, double size, Index forced_folds, const FillOptions& options) {
   const Report& report = fill.report;
   Quality quality;
   quality.crosses = report.crosses_itself || fill.passes_through;
@@ -70,7 +70,7 @@ Quality quality_of(const Mesh& mesh, const Fill& fill, Index forced_folds, const
   if (fill.faces.size() == 0) quality.folds = report.folds;  // was not laid out for that
   quality.folds = std::max<Index>(quality.folds, report.folds > 0 ? 1 : 0);
   quality.exceeds_hole_bounds = !is_shaped_by_hand(options) && exceeds_hole_bounds(mesh, fill.rim, fill.vertices);
-  quality.expected_error = expected_error(fill, diameter(mesh, fill.rim));
+  quality.expected_error = expected_error(fill, size);
   quality.seam_deg = report.seam_angle_max;
   return quality;
 }
@@ -80,7 +80,7 @@ void list_used(const Mesh& mesh, const FillOptions& options, Fill& fill) {
   std::vector<FillCandidate>& rows = report.candidates;
   if (rows.empty() || rows[0].status != CandidateStatus::used) rows.emplace(rows.begin());
   const char* const plain = options.method == automatic_method ? "a cage between the corners of the hole" : "it was requested";
-  rows[0] = {report.method, CandidateStatus::used, quality_of(mesh, fill, report.rim_folded, options),
+  rows[0] = {report.method, CandidateStatus::used, quality_of(mesh, fill, diameter(mesh, fill.rim), report.rim_folded, options),
              report.method_reason.empty() ? plain : report.method_reason};
 }
 

@@ -21,8 +21,8 @@ double least_error(double degrees, double size);
 /// Whether nobody sees so small an error.
 bool is_negligible(double error, double size);
 
-/// forced_folds: those that its rim leaves no way around.
-Quality quality_of(const Mesh& mesh, const Fill& fill, Index forced_folds, const FillOptions& options);
+/// size: the hole's diameter. forced_folds: folds that its rim leaves no way around.
+Quality quality_of(const Mesh& mesh, const Fill& fill, double size, Index forced_folds, const FillOptions& options);
 /// Puts the fill as it is delivered first in the candidates of its report.
 void list_used(const Mesh& mesh, const FillOptions& options, Fill& fill);
 
