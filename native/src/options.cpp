@@ -1,9 +1,10 @@
 #include "tripatch/options.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <set>
 #include <sstream>
+#include <string_view>
 #include <type_traits>
 
 #include "tripatch/messages.h"
@@ -121,7 +122,7 @@ void check_value(const Option& option, const std::optional<T>& value) {
 
 const Option& option_named(const char* name) {
   for (const Option& option : options())
-    if (std::string(option.name) == name) return option;
+    if (std::string_view(option.name) == name) return option;
   throw InvalidArgument(std::string("There is no option ") + name);
 }
 
@@ -174,12 +175,12 @@ std::vector<std::string> not_taken(const Method& method, const FillOptions& give
   static const FillOptions plain;
   std::vector<std::string> names;
   const auto look = [&](const char* name, bool is_given) {
-    if (!is_given || (name == std::string("fairing") && given.fairing == Fairing::isometric)) return;  // moves any vertices
+    if (!is_given || (given.fairing == Fairing::isometric && name == std::string_view("fairing"))) return;  // moves any vertices
     const Option& option = option_named(name);
     if ((option.patch || !patch) && is_of_output(option, given.output) && !takes(method, option)) names.emplace_back(name);
   };
   // the surface that continues all surroundings meets all of them in one way, rows only continue
-  const std::string name = method.name;
+  const std::string_view name = method.name;
   if (name == spline_method && !is_plain(given.continuity, plain.continuity)) names.emplace_back("continuity");
   if (name == rows_method && meets_position_only(given)) names.emplace_back("continuity");
 #define OPTION(type, name, value, ...) look(#name, !is_plain(given.name, plain.name));
@@ -252,8 +253,9 @@ namespace {
 
 /// Of the options that no patch alone has: those that a fill takes or leaves.
 bool is_choice_of_fill(const Option& option) {
-  static const std::set<std::string> names = {"corners", "pole_offset", "tolerance", "resolution", "odd", "cage_rim", "features"};
-  return names.contains(option.name);
+  constexpr std::array<std::string_view, 7> names = {"corners", "pole_offset", "tolerance", "resolution",
+                                                     "odd",     "cage_rim",    "features"};
+  return std::ranges::find(names, option.name) != names.end();
 }
 
 }  // namespace
@@ -264,8 +266,8 @@ std::map<std::string, std::string> not_applied(const FillOptions& given, const F
   const Method& method = find_method(fill.report.method);
   const bool sided = !fill.sides.empty() || given.output == Output::cage, laid_out_in_three = fill.barycentric.rows() > 0;
   const bool tangent = !std::ranges::all_of(fill.report.continuity, in_position);
-  const auto code = [&](const Option& option) -> const char* {
-    const std::string name = option.name;
+  const auto code = [&](const Option& option) -> std::string_view {
+    const std::string_view name = option.name;
     if (!is_of_output(option, given.output)) return "output";
     const bool moves = name == "bulge" || name == "tension" || name == "center" || name == "center_offset";
     if (fill.vertices.rows() == 0 && (moves || name == "fairing")) return "vertices";
@@ -277,7 +279,7 @@ std::map<std::string, std::string> not_applied(const FillOptions& given, const F
       return named_by(option).empty() ? "sides" : "method";
     }
     if (name == "pole_offset" && !laid_out_in_three) return "three_sides";
-    if (name == "cross_boundary" && method.name == std::string(polygon_method)) return "three_sides";
+    if (name == "cross_boundary" && std::string_view(method.name) == polygon_method) return "three_sides";
     if (sided && !tangent && (name == "bulge" || name == "cross_boundary")) return "position";
     if (sided && name == "tension" && !given.fairing) return "fairing";
     const std::size_t values = given.bulge.values().size();
@@ -287,7 +289,7 @@ std::map<std::string, std::string> not_applied(const FillOptions& given, const F
   std::map<std::string, std::string> found;
   for (const Option& option : options()) {
     if (!option.patch && !is_choice_of_fill(option)) continue;
-    if (const std::string why = code(option); !why.empty()) found.emplace(option.name, why);
+    if (const std::string_view why = code(option); !why.empty()) found.emplace(option.name, why);
   }
   return found;
 }

@@ -226,11 +226,10 @@ FairingBase build(const Method& method, const Sides& sides, const RibbonOptions&
 }
 
 const Method& find_method(const std::string& name) {
-  std::vector<std::string> names;
-  for (const Method& method : methods()) {
+  for (const Method& method : methods())
     if (name == method.name) return method;
-    names.emplace_back(method.name);
-  }
+  std::vector<std::string> names;
+  for (const Method& method : methods()) names.emplace_back(method.name);
   refuse_name("method", name, std::move(names));
 }
 
