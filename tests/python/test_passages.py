@@ -71,6 +71,25 @@ def test_fills_that_pass_through_each_other_are_reported():
     assert all(abs(fill.passes_through[0] - 0.55) < 1e-9 and abs(fill.passes_through[2]) < 1e-9 for fill in fills)
 
 
+def test_of_many_holes_those_with_a_fin_are_found_in_any_order_of_the_faces():
+    """Next to a face that has a vertex nowhere, which no fill touches."""
+    cells = 12
+    vertices, faces = sheet(cells, 1.0, [k for k in range(cells**2) if k // cells % 4 in (1, 2) and k % cells % 4 in (1, 2)])
+    loops = [loop for loop in tripatch.find_holes(faces) if len(loop) == 8]
+    middles = np.array([vertices[loop].mean(axis=0) for loop in loops])
+    with_fin = [0, 4, 7]
+    mesh = vertices, faces
+    for middle in middles[with_fin]:
+        upright = middle + 0.02 * np.array([[1, 0, -1], [-1, 0, -1], [0, 0.5, 2]])
+        mesh = together(mesh, (upright, [[0, 1, 2]]))
+    points, rows = together(mesh, (np.array([[0, 0, 9], [1, 0, 9], [np.nan, 0, 9]]), [[0, 1, 2]]))
+    rows = [*rows[:5], rows[-1], *rows[5:-1]]
+    for order in (range(len(rows)), np.random.default_rng(1).permutation(len(rows))):
+        fills = tripatch.fill_all(points, [rows[k] for k in order], loops)
+        assert [k for k, fill in enumerate(fills) if fill.passes_through] == with_fin
+        assert all(np.linalg.norm(fills[k].passes_through - middles[k]) < 0.05 for k in with_fin)
+
+
 @pytest.mark.parametrize("output", ["triangles", "cage"])
 def test_fills_that_are_faces_of_the_mesh_pass_through_it_as_before(output):
     vertices, faces = together(PLATE, (FIN, [[0, 1, 2, 3]]))

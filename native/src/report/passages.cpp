@@ -63,18 +63,21 @@ public:
     return any;
   }
 
+  /// The triangles that meet a box, in the order in which they are looked at.
+  void find_near(const BoxTree::Box& box, std::vector<std::size_t>& near) const {
+    near.clear();
+    tree_.each_meeting(box, [&](std::size_t k) { near.push_back(k); });
+  }
+
   /// A face, or a piece of it. face: its vertices; own: its fill.
   void look(std::span<const Index> face, std::span<const Vec3> corners, Index own = -1) {
-    BoxTree::Box box;
-    for (const Vec3& corner : corners) box.extend(corner);
-    tree_.each_meeting(box, [&](std::size_t k) {
-      const FlatTriangle& of_fill = triangles_[k];
-      std::optional<Vec3>& place = found[of_fill.fill];
-      if (place || of_fill.fill == own || shares_vertex(face, of_fill.fill)) return;
-      for (std::size_t c = 2; c < corners.size() && !place; ++c)
-        if (const auto other = flat_triangle({corners[0], corners[c - 1], corners[c]}, own))
-          place = place_through(*other, of_fill);
-    });
+    tree_.each_meeting(box_around(corners), [&](std::size_t k) { look_at(k, face, corners, own); });
+  }
+  /// A face of no fill. near: all triangles that it meets, and perhaps others.
+  void look_among(std::span<const std::size_t> near, std::span<const Index> face, std::span<const Vec3> corners) {
+    const BoxTree::Box box = box_around(corners);
+    for (const std::size_t k : near)
+      if (triangles_[k].box.intersects(box)) look_at(k, face, corners, -1);
   }
 
   Passed found;
@@ -84,6 +87,20 @@ private:
     std::vector<BoxTree::Box> all;
     for (const FlatTriangle& each : triangles_) all.push_back(each.box);
     return all;
+  }
+
+  static BoxTree::Box box_around(std::span<const Vec3> corners) {
+    BoxTree::Box box;
+    for (const Vec3& corner : corners) box.extend(corner);
+    return box;
+  }
+
+  void look_at(std::size_t k, std::span<const Index> face, std::span<const Vec3> corners, Index own) {
+    const FlatTriangle& of_fill = triangles_[k];
+    std::optional<Vec3>& place = found[of_fill.fill];
+    if (place || of_fill.fill == own || shares_vertex(face, of_fill.fill)) return;
+    for (std::size_t c = 2; c < corners.size() && !place; ++c)
+      if (const auto other = flat_triangle({corners[0], corners[c - 1], corners[c]}, own)) place = place_through(*other, of_fill);
   }
 
   bool shares_vertex(std::span<const Index> face, Index fill) const {
@@ -174,6 +191,44 @@ std::vector<std::vector<Index>> faces_by_fill(std::span<const Index> fill_of_fac
   return faces;
 }
 
+/// All faces of a mesh. Those one after another mostly hang together, and what they meet is searched for at once.
+///
+/// box: around all triangles of the fills.
+void look_at_mesh(const Mesh& mesh, const BoxTree::Box& box, Passages& passages) {
+  constexpr Index together = 16;  // nothing but time depends on it
+  const std::vector<unsigned char> beyond = sides_beyond(mesh.vertices, box);
+  std::vector<Index> faces;
+  std::vector<std::size_t> near;
+  std::vector<Vec3> corners;
+  for (Index first = 0; first < mesh.faces.size(); first += together) {
+    if (first % 4096 == 0) check_interruption();
+    faces.clear();
+    BoxTree::Box around;
+    double way = 0;  // along all of them
+    for (Index f = first; f < std::min(first + together, mesh.faces.size()); ++f) {
+      unsigned char all = 63;
+      for (Index v : mesh.faces[f]) all &= beyond[v];
+      if (all != 0) continue;
+      faces.push_back(f);
+      BoxTree::Box own;
+      for (Index v : mesh.faces[f]) own.extend(Vec3(mesh.vertices.row(v)));
+      around.extend(own);
+      way += own.sizes().sum();
+    }
+    const bool hang_together = around.sizes().sum() <= way;
+    if (hang_together) passages.find_near(around, near);
+    if (hang_together && near.empty()) continue;
+    const bool few = hang_together && near.size() <= faces.size();
+    for (const Index f : faces) {
+      corners_of(mesh.vertices, Points(0, 3), mesh.faces[f], corners);
+      if (few)
+        passages.look_among(near, mesh.faces[f], corners);
+      else
+        passages.look(mesh.faces[f], corners);
+    }
+  }
+}
+
 /// The limit surface of a cage of which some faces are of fills.
 void look_at_limit(const Mesh& cage, std::span<const Index> fill_of_face, const Subdivision& settings, Passages& passages) {
   const std::vector<BoxTree::Box> boxes = limit_boxes(cage);
@@ -220,17 +275,10 @@ std::vector<std::optional<Vec3>> passages(const Mesh& mesh, std::span<const Fill
   for (const FlatTriangle& each : triangles) box.extend(each.box);
   for (const FillFaces& fill : fills) rims.push_back(in_order({fill.rim.begin(), fill.rim.end()}));
   Passages passages(std::move(triangles), std::move(rims));
-  const Points none(0, 3);
-  if (subdivision) look_at_limit(mesh, std::vector<Index>(mesh.faces.size(), -1), *subdivision, passages);
-  const std::vector<unsigned char> beyond = sides_beyond(mesh.vertices, box);
-  for (Index f = 0; !subdivision && f < mesh.faces.size(); ++f) {
-    if (f % 4096 == 0) check_interruption();
-    unsigned char all = 63;
-    for (Index v : mesh.faces[f]) all &= beyond[v];
-    if (all != 0) continue;
-    corners_of(mesh.vertices, none, mesh.faces[f], corners);
-    passages.look(mesh.faces[f], corners);
-  }
+  if (subdivision)
+    look_at_limit(mesh, std::vector<Index>(mesh.faces.size(), -1), *subdivision, passages);
+  else
+    look_at_mesh(mesh, box, passages);
   if (fills.size() > 1) each_face([&](Index fill, std::span<const Index> face) { passages.look(face, corners, fill); });
   return passages.found;
 }
