@@ -155,7 +155,8 @@ class FillSmooth(FillPanel, waiting.Waiting):
         if not filled:
             return self._refuse(context, refused, told) if refused else self._leave(nothing)
         reports = [report for outcome in filled for report in outcome.reports]
-        self.candidates = "\n".join(library.words.candidates(reports[0])) if len(reports) == 1 else ""
+        rows = library.words.candidates(reports[0], aligned=False) if len(reports) == 1 else []
+        self.candidates = "\n".join(of_filled(row) for row in rows)
         filled[-1].left_open = nothing.left_open
         message = "; ".join(outcome.sentence() for outcome in filled)
         if refused:

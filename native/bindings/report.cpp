@@ -38,6 +38,8 @@ std::array<std::vector<Index>, 2> triangles_of(const Eigen::Map<const Points>& v
   return {std::move(corners), std::move(of_face)};
 }
 
+py::object told(const Reason& reason) { return reason ? message_object(*reason) : py::str(); }
+
 /// As tripatch.candidates.Candidate, in the order of its fields.
 py::list candidates_of(const Report& report) {
   const py::object type = py::module_::import("tripatch.candidates").attr("Candidate");
@@ -47,9 +49,10 @@ py::list candidates_of(const Report& report) {
     const char* const status = names[static_cast<std::size_t>(each.status)];
     const Quality& q = each.quality;
     if (each.status == CandidateStatus::used || each.status == CandidateStatus::made)
-      out.append(type(each.method, status, q.expected_error, q.folds, q.crosses, q.exceeds_hole_bounds, q.seam_deg, each.why));
+      out.append(
+          type(each.method, status, q.expected_error, q.folds, q.crosses, q.exceeds_hole_bounds, q.seam_deg, told(each.why)));
     else
-      out.append(type(each.method, status, py::none(), py::none(), py::none(), py::none(), py::none(), each.why));
+      out.append(type(each.method, status, py::none(), py::none(), py::none(), py::none(), py::none(), told(each.why)));
   }
   return out;
 }
@@ -99,7 +102,9 @@ void bind_report(py::module_& m) {
       .def_readonly("shape_path", &Report::shape_path,
                     R"(With shape="optimal": a list of (lambda by side, energy), the last of which was taken.)")
       .def_readonly("method", &Report::method, "Name of the method used.")
-      .def_readonly("method_reason", &Report::method_reason, "Why that method was used.")
+      .def_property_readonly(
+          "method_reason", [](const Report& report) { return told(report.method_reason); },
+          "Why that method was used: a sentence (`Message`) with a `code`; empty: of a patch that was made alone.")
       .def_property_readonly(
           "candidates", candidates_of,
           "The ways to fill the hole, each a `Candidate`: the one that is used, then, with method auto, the others.")

@@ -88,8 +88,8 @@ Fill fill_as_asked(const FillContext& context, const std::optional<std::vector<I
   }
   if (automatic) return fill_and_shape(context, loop, corners, options);
   Fill fill = options.method == rows_method      ? fill_with_rows_only(context, loop, corners, options)
-              : options.method == annulus_method ? fill_ring(context, loop, options, "it was requested")
-                                                 : fill_any_rim(context, loop, corners, options, "it was requested");
+              : options.method == annulus_method ? fill_ring(context, loop, options)
+                                                 : fill_any_rim(context, loop, corners, options);
   shape(context.mesh, context.left, sizes_of(options.islands), options, fill);
   return fill;
 }

@@ -100,6 +100,7 @@ private:
   std::string written(double value, std::string_view kind) { return number(value) + (kind == "degrees" ? degrees() : ""); }
   std::string written(const std::string& value, std::string_view kind) {
     const auto found = wording_.names.find(value);
+    if (kind == "problem") return value.substr(0, value.find(". "));
     return kind == "names" && found != wording_.names.end() ? found->second : value;
   }
   std::string written(const std::vector<std::string>& values, std::string_view kind) {
@@ -117,7 +118,9 @@ private:
     if (wording_.vertices == Wording::Vertices::selected) return (begins ? "The selected vert" : "the selected vert") + many;
     return (begins ? "Vert" : "vert") + many + " " + listed(vertices);
   }
-  std::string written(const std::shared_ptr<const Message>& message, std::string_view) { return text(*message, wording_); }
+  std::string written(const std::shared_ptr<const Message>& message, std::string_view kind) {
+    return written(text(*message, wording_), kind);
+  }
 
   const char* degrees() const { return wording_.panel ? "°" : " degrees"; }
 

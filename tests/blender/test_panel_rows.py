@@ -239,3 +239,12 @@ def test_a_cage_between_corners_that_would_fold_if_pulled_at_stays_a_cage(addon)
     active, said = rows(after)
     assert active["bulge"] is False and "the cage of this hole would fold or cross itself" in said
     assert "Filled without Bulge" in after.said[-1][1]
+
+
+@pytest.mark.parametrize("make", [jagged_ball, three_sides])
+def test_the_candidates_of_a_fill_have_the_words_of_the_panel(addon, make):
+    state, _ = filled(addon, make)
+    used, *others = state.candidates.split("\n")
+    assert used.startswith("used ") and len(others) > 1
+    assert all(line.startswith(("made ", "skipped ", "refused ")) for line in others)
+    assert not any(method in state.candidates for method in tripatch.METHODS)

@@ -23,7 +23,7 @@ Tried made(const std::string& method, const Quality& quality) {
   out.row = {method, CandidateStatus::made, quality, {}};
   out.fill.emplace();
   out.fill->report.method = method;
-  out.fill->report.method_reason = "of " + method;
+  out.fill->report.method_reason = Message{Code::requested, {{"method", method}}};
   return out;
 }
 
@@ -60,16 +60,17 @@ TEST_CASE("errors that differ by rounding only -> the first candidate is used") 
 
 TEST_CASE("the report lists all candidates, the used one first, skipped and refused ones last") {
   TriedFills tried(2);
-  tried[0].row = {"skipped", CandidateStatus::skipped, {}, "needs quads"};
-  tried[1].row = {"refused", CandidateStatus::refused, {}, "no"};
+  tried[0].row = {"skipped", CandidateStatus::skipped, {}, Message{Code::not_among_quads}};
+  tried[0].variant = Code::flat_wall;
+  tried[1].row = {"refused", CandidateStatus::refused, {}, Message{Code::not_made, {{"reason", Message{Code::rim_on_borders}}}}};
   tried.push_back(made("worse", with_error(2)));
   tried.push_back(made("best", with_error(1)));
   const std::vector<FillCandidate> rows = selected(std::move(tried)).report.candidates;
   REQUIRE(rows.size() == 4);
-  CHECK((rows[0].method == "best" && rows[0].status == CandidateStatus::used && rows[0].why == "of best"));
-  CHECK((rows[1].method == "worse" && rows[1].why == "is expected to be less accurate"));
-  CHECK((rows[2].method == "skipped" && rows[2].why == "needs quads"));
-  CHECK((rows[3].method == "refused" && rows[3].why == "no"));
+  CHECK((rows[0].method == "best" && rows[0].status == CandidateStatus::used && rows[0].why->code == Code::requested));
+  CHECK((rows[1].method == "worse" && rows[1].why->code == Code::less_accurate));
+  CHECK((rows[2].method == "skipped" && rows[2].why->text() == "flat wall: the faces around the hole are not quads"));
+  CHECK((rows[3].method == "refused" && rows[3].why->code == Code::not_made));
 }
 
 TEST_CASE("a fill without faces is used only if no other was made") {

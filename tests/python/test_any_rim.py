@@ -112,7 +112,7 @@ def test_an_edge_that_the_mesh_has_is_not_made_again():
 def test_auto_takes_the_exact_patch_between_smooth_sides_and_says_why():
     vertices, faces, rim = octant()
     fill = tripatch.fill(vertices, faces, rim=rim)
-    assert (fill.report.method, fill.report.method_reason) == ("side_vertex", "the hole has three smooth sides")
+    assert (fill.report.method, fill.report.method_reason) == ("side_vertex", "the hole has 3 smooth sides")
     assert np.sqrt(np.mean(fill.deviation**2)) == pytest.approx(fill.report.candidates[0].expected_error)
     plain = tripatch.fill(vertices, faces, rim=rim, method="side_vertex")
     assert np.array_equal(fill.vertices, plain.vertices)

@@ -10,7 +10,7 @@ import tripatch
 from shapes import octant
 from systems import WINE
 from tripatch import __main__ as cli
-from tripatch import files
+from tripatch import files, messages
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 
@@ -96,9 +96,44 @@ def test_a_small_fill_is_listed_with_why():
 def test_candidates_are_pickled_and_plain_in_json():
     vertices, faces, rim = octant()
     report = tripatch.fill(vertices, faces, rim=rim).report
-    assert pickle.loads(pickle.dumps(report)).candidates == report.candidates
+    again = pickle.loads(pickle.dumps(report)).candidates
+    assert again == report.candidates
+    assert [each.why.code for each in again] == [each.why.code for each in report.candidates]
     told = json.loads(json.dumps(report.as_dict()["candidates"]))
+    assert [row["codes"] for row in told] == [sorted(each.why.codes) for each in report.candidates]
     assert told[0]["method"] == report.method and told[0]["expected_error"] == report.candidates[0].expected_error
+
+
+EACH_OPTION = [
+    {"corners": []},
+    {"cap": "flat"},
+    {"cap": "dome"},
+    {"bulge": 0.3},
+    {"through": [(0.6, 0.6, 0.6)]},
+    {"method": "quintic"},
+    {"output": "quads"},
+    {"output": "cage"},
+    {"output": "cage", "cage_rim": "exact"},
+    {"output": "cage", "resolution": 1},
+]
+
+
+@pytest.mark.parametrize("options", EACH_OPTION)
+def test_the_reasons_of_a_fill_have_codes(options):
+    for n in (4, 12):
+        vertices, faces, rim = octant(n)
+        report = tripatch.fill(vertices, faces, rim=rim, **options).report
+        for why in (report.method_reason, *(each.why for each in report.candidates)):
+            assert messages.TABLE[why.code].kind == "reason"
+            assert {messages.TABLE[code].kind for code in why.codes} <= {"reason", "refusal"}
+
+
+def test_what_is_refused_is_a_reason_without_what_to_do():
+    refused = tripatch.Message("edge_without_length", {}, [5, 6])
+    why = tripatch.Message("flat_wall", {"reason": tripatch.Message("not_made", {"reason": refused})})
+    assert refused.endswith(". Merge the two")
+    assert why == "flat wall: The edge between vertices 5 and 6 has no length"
+    assert why.codes == {"flat_wall", "not_made", "edge_without_length"}
 
 
 def test_why_prints_a_row_for_each_candidate_the_used_one_first(tmp_path, capsys):

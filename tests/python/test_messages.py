@@ -28,14 +28,15 @@ def fields(pattern):
 @pytest.mark.parametrize("code", [code for code, row in messages.TABLE.items() if row.kind != "label"])
 def test_patterns_are_well_formed(code):
     row = messages.TABLE[code]
-    assert row.kind in ("refusal", "warning", "report", "note")
+    assert row.kind in ("refusal", "warning", "report", "reason", "note")
     for pattern in filter(None, (row.sentence, row.panel)):
         assert pattern.count("{") == pattern.count("}") == len(fields(pattern))
         assert pattern.count("[") == pattern.count("]")
         assert not re.search(r"\[[^\]]*\[", pattern)
         for _, kind in fields(pattern):
-            assert kind in ("", "if", "degrees", "side", "names", "option", "vertices", "Vertices") or "|" in kind
-        assert pattern[0].isupper() or pattern[0] in "{[" or code.startswith("shape_key_")
+            assert kind in ("", "if", "degrees", "side", "names", "option", "problem", "vertices", "Vertices") or "|" in kind
+        begins_small = row.kind == "reason" or code.startswith("shape_key_")
+        assert begins_small or pattern[0].isupper() or pattern[0] in "{["
         assert not pattern.endswith(".")
 
 
@@ -166,6 +167,7 @@ def provoked():
             pass
         else:
             yield from fill.report.warnings
+            yield from (fill.report.method_reason, *(each.why for each in fill.report.candidates))
 
 
 @pytest.fixture
@@ -293,6 +295,12 @@ def codes_in(node):
     if isinstance(node, ast.IfExp):
         return codes_in(node.body) | codes_in(node.orelse)
     return {node.value} if isinstance(node, ast.Constant) and isinstance(node.value, str) else set()
+
+
+def test_every_reason_of_the_table_is_given_by_the_core():
+    core = "".join(file.read_text() for file in (ROOT / "native" / "src").rglob("*.*"))
+    given = set(re.findall(r"Code::(\w+)", core))
+    assert {code for code, row in messages.TABLE.items() if row.kind == "reason"} <= given
 
 
 def test_codes_that_python_names_are_in_the_table():

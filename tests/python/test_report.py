@@ -81,7 +81,7 @@ def test_a_report_names_the_method_and_what_is_not_known_is_none():
     fill = tripatch.fill(vertices, faces, rim=rim, method="side_vertex", fairing=None)
     told = json.loads(json.dumps(fill.report.as_dict()))
     assert told["method"] == fill.report.method
-    assert told["method_reason"]
+    assert (told["method_reason"], told["reason_codes"]) == (fill.report.method_reason, [fill.report.method_reason.code])
     assert told["deviation_max"] is None
     assert fill.deviation is None
     assert fill.uv is None

@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -179,6 +180,67 @@ enum class Code : std::uint16_t {
   two_sides_tell_less,
   lower_cap_fails,
   patch_would_fold,
+  // Why a way to fill a hole is used
+  requested,
+  has_smooth_sides,
+  has_sides,
+  has_three_edges,
+  is_small,
+  is_round,
+  is_of_revolution,
+  lower_cap_stays,
+  cap_requested,
+  has_islands,
+  joins_boundaries,
+  fits_better_than_ring,
+  no_ring_joins,
+  round_not_smooth,
+  corners_given,
+  no_smooth_sides,
+  wall_missing,
+  wall_continues,
+  walls_meet,
+  crease_continues,
+  rows_continue,
+  no_patch_fits,
+  patch_crosses,
+  patch_folds_over,
+  patch_leaves_hole,
+  surroundings_tell_more,
+  polygon_meets_points,
+  tangent_fill_crosses,
+  reads_mesh,
+  quads_continue,
+  fair_cage_leaves,
+  large_cage_on_surface,
+  cage_of_guessed_corners,
+  // Why a way to fill a hole is not used
+  not_made,
+  candidate_crosses,
+  candidate_folds,
+  candidate_leaves_hole,
+  less_accurate,
+  not_more_accurate,
+  accurate_enough,
+  rows_take_no_options,
+  not_among_quads,
+  not_of_revolution,
+  cap_follows_curvature,
+  no_wall_missing,
+  patch_requested,
+  spline_of_revolution,
+  meets_sharp_sides,
+  has_planes_already,
+  sides_requested,
+  planes_not_better,
+  other_does_not_fold,
+  other_does_not_cross,
+  // Ways to fill a hole that share a method
+  lower_cap,
+  flat_wall,
+  planes_of_patch,
+  folded_patch,
+  flat_fill,
   // Rings between two boundaries
   ring_takes_two,
   boundaries_not_joined,
@@ -238,6 +300,7 @@ struct Parameter {
   Parameter(std::string called, std::integral auto number) : name(std::move(called)), value(static_cast<Index>(number)) {}
   Parameter(std::string called, double measure) : name(std::move(called)), value(measure) {}
   Parameter(std::string called, const char* text) : name(std::move(called)), value(std::string(text)) {}
+  Parameter(std::string called, const Message& message);
   Parameter(std::string called, Value any) : name(std::move(called)), value(std::move(any)) {}
 };
 
@@ -251,6 +314,11 @@ struct Message {
   std::string text() const;
 };
 using Messages = std::vector<Message>;
+/// Why something is so; none: nothing is said of it.
+using Reason = std::optional<Message>;
+
+inline Parameter::Parameter(std::string called, const Message& message)
+    : name(std::move(called)), value(std::make_shared<const Message>(message)) {}
 
 /// A refusal and its code: every one that the library throws is of this class.
 class CodedRefusal : public Refusal {
@@ -285,7 +353,7 @@ private:
 /// A row of the table.
 struct AboutMessage {
   const char* code;
-  const char* kind;      ///< "refusal", "warning" or "note"
+  const char* kind;      ///< "refusal", "warning", "reason" or "note"
   const char* sentence;  ///< a pattern, see format
   const char* panel;     ///< the same for a window, with its own names for what to do; empty: as `sentence`
   const char* meaning;   ///< what it means and what to do, for the documentation
@@ -306,6 +374,7 @@ struct Wording {
 ///   {name:degrees}        an angle
 ///   {name:side}           the number of a side or corner
 ///   {name:names}          options or methods as the interface calls them
+///   {name:problem}        a message without what to do: its first sentence
 ///   {name:vertices}       "vertex 4", "vertices 4 and 5". {name:Vertices} begins a sentence
 ///   {name:# edge|# edges} one or several, # being the number
 /// What stands in [brackets] is left out if a parameter in it is not there.

@@ -170,7 +170,7 @@ class Report:
     energy_after: float
     shape_path: list[tuple[list[float], float]]
     method: str
-    method_reason: str
+    method_reason: Message | Literal[""]
     candidates: list[Candidate]
     deviation_max: float | None
     triangles_folded: int

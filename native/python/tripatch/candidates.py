@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple
 
+from .messages import Message
+
 
 class Candidate(NamedTuple):
     """One way to fill a hole, and what became of it. Numbers are None unless the fill was made."""
@@ -20,4 +22,4 @@ class Candidate(NamedTuple):
     exceeds_hole_bounds: bool | None
     #: Largest seam angle, in degrees: not compared.
     seam_deg: float | None
-    why: str
+    why: Message

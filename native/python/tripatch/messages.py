@@ -15,7 +15,7 @@ class Row:
     """What the table says of a code.
 
     Attributes:
-        kind: "refusal", "warning", "report" or "note"; or "label".
+        kind: "refusal", "warning", "report", "reason" or "note"; or "label".
         sentence: the pattern of its sentence; messages.h in the core describes patterns. Of a label: its tooltip, or its help.
         panel: the same for a window; empty: as `sentence`. Of a label: the label.
         meaning: what it means and what to do.

@@ -409,8 +409,9 @@ def _part(self: Side, start: float, end: float) -> Side:
 def _as_dict(self: Report) -> dict[str, Any]:
     """The report as plain values, ready for JSON."""
     values = {name: getattr(self, name) for name, member in vars(Report).items() if isinstance(member, property)}
-    told = {"candidates": [each._asdict() for each in self.candidates], "codes": [each.code for each in values["warnings"]]}
-    return {**values, **told}
+    rows = [{**each._asdict(), "codes": sorted(each.why.codes)} for each in self.candidates]
+    reasons = sorted(self.method_reason.codes) if self.method_reason else []
+    return {**values, "candidates": rows, "reason_codes": reasons, "codes": [each.code for each in values["warnings"]]}
 
 
 def _patch_repr(self: Patch) -> str:

@@ -28,7 +28,7 @@ std::optional<Fill> followed(const FillContext& context, const std::vector<Index
   triangles.features = options.features;
   triangles.replaced = options.replaced;
   try {
-    Fill fill = fill_any_rim(context, rim, {}, triangles, "");
+    Fill fill = fill_any_rim(context, rim, {}, triangles);
     const auto& warnings = fill.report.warnings;
     const auto reservations = std::ranges::count_if(warnings, [](const Message& each) { return each.code != Code::sharp_sides; });
     if (reservations == 0 && dynamic_cast<const PlanePatch*>(fill.patch.get())) return fill;
@@ -82,7 +82,7 @@ bool surface_tells_more(const FillContext& context, const Fill& rows, const std:
   try {
     FillOptions triangles;
     triangles.replaced = replaced;
-    const Fill surface = fill_any_rim(context, rows.rim, {}, triangles, "");
+    const Fill surface = fill_any_rim(context, rows.rim, {}, triangles);
     return is_harmless(surface.report) && expected_error(surface, size) < error;
   } catch (const CodedRefusal&) {
     return false;

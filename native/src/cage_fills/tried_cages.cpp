@@ -39,10 +39,6 @@ constexpr double likely = 3.5;
 constexpr Index many = 150;
 /// If it folds or crosses itself there, it is made fair after all up to so many vertices, which takes three seconds.
 constexpr Index max_fair = 1000;
-constexpr const char* grown_reason = "the quads around the hole continue";
-constexpr const char* placed_reason = "the fairest cage would leave the surrounding surface, so its vertices lie on that surface";
-constexpr const char* guessed_reason = "the hole has no clear corners, so the cage lies between four of its vertices";
-constexpr const char* many_reason = "a cage of so many vertices lies on the surrounding surface";
 
 /// Whether the patch's own shape is asked for.
 bool has_own_shape(const FillOptions& options) {
@@ -232,13 +228,13 @@ void TriedCages::complete() {
     }
     report.cage_in_rows = in_rows_;
     if (in_rows_)
-      report.method_reason = rows_reason;
+      report.method_reason = Message{Code::rows_continue};
     else if (placed_ && !likelier_)
-      report.method_reason = of_many_ ? many_reason : placed_reason;
+      report.method_reason = Message{of_many_ ? Code::large_cage_on_surface : Code::fair_cage_leaves};
     else if (cages_.laid_out(h).layout.grown)
-      report.method_reason = grown_reason;
+      report.method_reason = Message{Code::quads_continue};
     else if (holes_[h].guessed)
-      report.method_reason = guessed_reason;
+      report.method_reason = Message{Code::cage_of_guessed_corners};
   }
 }
 

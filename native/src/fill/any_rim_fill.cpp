@@ -110,9 +110,9 @@ bool is_continuity_open(const FillOptions& options) {
   return std::ranges::all_of(options.continuity, [](SideContinuity c) { return c == SideContinuity::automatic; });
 }
 
-Fill fill_any_rim(const FillContext& context, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
-                  const std::string& reason) {
-  if (options.surroundings == SurroundingsFrom::limit) throw CodedRefusal(Code::limit_needs_three_corners, {{"reason", reason}});
+Fill fill_any_rim(const FillContext& context, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options) {
+  if (options.surroundings == SurroundingsFrom::limit)
+    throw CodedRefusal(Code::limit_needs_three_corners, {{"reason", Message{Code::reads_mesh, {{"method", spline_method}}}}});
   Messages warnings;
   const auto ordered = [&](const std::vector<Index>& loop) {
     std::vector<Index> checked = check_topology(context.left, loop);
@@ -153,14 +153,13 @@ Fill fill_any_rim(const FillContext& context, const std::vector<Index>& rim, con
   Fill fill = looks_for_sharp ? fill_beside_sharp_sides(context, around, loop, at, own)
                               : fill_with_spline(context.mesh, around, loop, islands, own);
   if (options.method == spline_method && !fill.patch && loop.size() > 3) throw CodedRefusal(Code::no_surface_laid_out, loop);
-  fill.report.method_reason = reason;
   if (nothing) std::ranges::fill(fill.report.continuity, SeamContinuity::g0);
   fill.report.warnings.insert(fill.report.warnings.begin(), warnings.begin(), warnings.end());
   fill.report.corners = std::move(at);
   return fill;
 }
 
-Fill fill_ring(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options, const std::string& reason) {
+Fill fill_ring(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options) {
   if (options.islands.size() != 1) throw CodedRefusal(Code::ring_takes_two, {{"count", options.islands.size() + 1}});
   const auto ordered = [&](const std::vector<Index>& loop) {
     std::vector<Index> checked = check_topology(context.left, loop);
@@ -170,9 +169,7 @@ Fill fill_ring(const FillContext& context, const std::vector<Index>& rim, const 
   };
   const std::vector<Index> loop = ordered(rim), island = ordered(options.islands[0]);
   check_apart(loop, {island});
-  Fill fill = fill_with_annulus(context.mesh, context.left, loop, island, options);
-  fill.report.method_reason = reason;
-  return fill;
+  return fill_with_annulus(context.mesh, context.left, loop, island, options);
 }
 
 namespace {
@@ -257,18 +254,20 @@ std::optional<Fill> ring_on_surface(const FillContext& context, const std::vecto
 
 Fill fill_around_islands(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options) {
   std::optional<Fill> ring;
-  std::string reason = "the hole has islands";
+  Message reason = {Code::has_islands};
   if (options.islands.size() == 1 && options.through.empty()) {
     try {
-      ring = fill_ring(context, rim, options, "the fill joins two boundaries");
-      reason = "the surrounding surface fits better than a ring between the two boundaries";
-    } catch (const Refusal& refusal) {
-      reason = std::string("no ring joins the two boundaries: ") + refusal.what();
+      ring = fill_ring(context, rim, options);
+      ring->report.method_reason = Message{Code::joins_boundaries};
+      reason = {Code::fits_better_than_ring};
+    } catch (const CodedRefusal& refusal) {
+      reason = {Code::no_ring_joins, {{"reason", refusal.message()}}};
     }
   }
   std::optional<Fill> spline;
   try {
-    spline = fill_any_rim(context, rim, std::vector<Index>(), options, reason);
+    spline = fill_any_rim(context, rim, std::vector<Index>(), options);
+    spline->report.method_reason = reason;
   } catch (const Refusal&) {
     if (!ring) throw;
   }
@@ -309,7 +308,6 @@ Fill fill_flat(const FillContext& context, const std::vector<Index>& rim, const 
   const Connectivity nothing = without_faces(context.mesh);
   Fill fill = fill_with_spline(context.mesh, context.left, rim, {},
                                {options.resolution, options.output == Output::quads, false, &nothing, options.through});
-  fill.report.method_reason = "a flat wall is missing";
   fill.report.warnings = {{Code::flat_all_around}};
   return fill;
 }
@@ -322,12 +320,11 @@ void close_if_flat(const FillContext& context, const FillOptions& options, Fill&
   fill.deviation.resize(0);
 }
 
-Fill fill_with_planes_of(const FillContext& context, const Fill& patch, const FillOptions& options, const std::string& reason) {
+Fill fill_with_planes_of(const FillContext& context, const Fill& patch, const FillOptions& options) {
   const Connectivity nothing = without_faces(context.mesh);
   SplineFillOptions own = {options.resolution, options.output == Output::quads, false, &nothing, options.through,
                            patch.rim_normals};
   Fill fill = fill_with_spline(context.mesh, context.left, patch.rim, {}, own);
-  fill.report.method_reason = reason;
   fill.report.corners = patch.report.corners;
   fill.report.surroundings_error = patch.report.surroundings_error;
   return fill;

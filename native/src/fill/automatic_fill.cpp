@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <memory>
-#include <string>
 #include <utility>
 #include <variant>
 
@@ -27,8 +26,6 @@
 namespace tripatch {
 
 namespace {
-
-const std::string round_of_revolution = "the hole is round, and its surroundings are of revolution";
 
 /// What the patch of a hole is made of.
 using PatchInput = std::variant<TriangleInput, PolygonInput, DiscInput>;
@@ -79,7 +76,7 @@ struct FillProblem {
   std::optional<Fill> early_spline;            ///< if it was made before the patch
 
 private:
-  Fill spline_anew() const { return fill_any_rim(context, rim, sides_->of_spline, sides_->options, {}); }
+  Fill spline_anew() const { return fill_any_rim(context, rim, sides_->of_spline, sides_->options); }
 
   std::optional<SidesFound> sides_;
   std::optional<Fill> spline_;
@@ -87,6 +84,8 @@ private:
 };
 
 namespace {
+
+Reason unless(bool tried, Code reason) { return tried ? Reason() : Message{reason}; }
 
 Quality judged(FillProblem& problem, const Fill& fill) {
   const FillContext& context = problem.context;
@@ -108,20 +107,20 @@ bool wants_patch(FillProblem& problem) {
 
 const Tried& patch_in(const TriedFills& tried) { return tried[1]; }
 
-std::string skip_rows(FillProblem& problem, const TriedFills&) {
+Reason skip_rows(FillProblem& problem, const TriedFills&) {
   const FillOptions& options = problem.options;
   const bool as_they_come = !problem.corners && options.resolution.value_or(0) == 0;
   if (!as_they_come || !options.islands.empty() || !options.through.empty() || meets_position_only(options) ||
       options.cap != Cap::automatic)
-    return "rows have no such options";
+    return Message{Code::rows_take_no_options};
   const bool among_quads = options.output != Output::triangles || is_among_quads(problem.context.left, problem.loop);
-  return among_quads ? "" : "the faces around the hole are not quads";
+  return unless(among_quads, Code::not_among_quads);
 }
 
 Fill make_rows(FillProblem& problem, const TriedFills&) {
   std::optional<Fill> fill = fill_with_rows(problem.context, problem.loop, problem.options.output, problem.options.features);
   if (!fill) throw CodedRefusal(Code::no_rows_of_quads, problem.loop);
-  fill->report.method_reason = rows_reason;
+  fill->report.method_reason = Message{Code::rows_continue};
   return std::move(*fill);
 }
 
@@ -170,19 +169,20 @@ const PatchInput& input_of(FillProblem& problem) {
 }
 
 /// A patch is left out whose tangent planes are so uncertain that the spline is better whatever the patch is like.
-std::string skip_patch(FillProblem& problem, const TriedFills& tried) {
+Reason skip_patch(FillProblem& problem, const TriedFills& tried) {
   if (problem.sides().domain == PatchDomain::none) return problem.sides().reason;
   const double degrees = std::visit([](const auto& input) { return input.planes_error; }, input_of(problem));
   const double least = least_error(degrees, problem.size);
-  if (wants_patch(problem) || is_negligible(least, problem.size)) return "";
+  if (wants_patch(problem) || is_negligible(least, problem.size)) return {};
   try {
     if (!problem.early_spline) problem.early_spline = new_spline(problem, tried);
   } catch (const CodedRefusal&) {
-    return "";  // reported where the spline has its turn
+    return {};  // reported where the spline has its turn
   }
   const Quality quality = judged(problem, *problem.early_spline);
   const bool beaten = is_valid(quality) && least >= quality.expected_error;
-  return beaten ? "cannot be more accurate than " + problem.early_spline->report.method : "";
+  if (!beaten) return {};
+  return Message{Code::not_more_accurate, {{"method", problem.early_spline->report.method}}};
 }
 
 bool is_beside_sharp(const Fill& patch) { return std::ranges::count(patch.report.continuity, SeamContinuity::free) > 0; }
@@ -222,33 +222,31 @@ Fill make_patch(FillProblem& problem, const TriedFills&) {
               : std::holds_alternative<DiscInput>(input) ? make_disc(problem, nullptr)
                                                          : make_polygon(problem, false);
   const bool revolved = problem.is_of_revolution && problem.options.cap == Cap::automatic;
-  fill.report.method_reason = revolved ? round_of_revolution : problem.sides().reason;
+  fill.report.method_reason = revolved ? Message{Code::is_of_revolution} : problem.sides().reason;
   if (problem.context.is_part()) problem.patch = {fill, problem.is_of_revolution};
   return fill;
 }
 
 /// A cap of revolution that continues as its surroundings bend, and leaves the hole: one that is tangent to them only or, if that one does
 /// too, a flat one.
-std::string skip_lower_cap(FillProblem& problem, const TriedFills& tried) {
-  if (!problem.is_of_revolution) return "the surroundings are not of revolution";
+Reason skip_lower_cap(FillProblem& problem, const TriedFills& tried) {
+  if (!problem.is_of_revolution) return Message{Code::not_of_revolution};
   const bool leaves = patch_in(tried).row.quality.exceeds_hole_bounds && is_continuity_open(problem.sides().options);
-  return leaves ? "" : "the cap follows the curvature of its surroundings";
+  return unless(leaves, Code::cap_follows_curvature);
 }
 
 Fill make_lower_cap(FillProblem& problem, const TriedFills&) {
   for (const SideContinuity less : {SideContinuity::g1, SideContinuity::free}) {
     Fill fill = make_disc(problem, &less);
     if (!problem.is_of_revolution || !is_valid(judged(problem, fill))) continue;
-    fill.report.method_reason = round_of_revolution + "; a cap that follows their curvature would leave the hole";
+    fill.report.method_reason = Message{Code::lower_cap_stays};
     if (less == SideContinuity::free) fill.report.warnings.push_back({Code::flat_all_around});
     return fill;
   }
   throw CodedRefusal(Code::lower_cap_fails, problem.loop);
 }
 
-std::string skip_lid(FillProblem& problem, const TriedFills&) {
-  return problem.sides().has_lost_wall ? "" : "no flat wall is missing";
-}
+Reason skip_lid(FillProblem& problem, const TriedFills&) { return unless(problem.sides().has_lost_wall, Code::no_wall_missing); }
 
 Fill make_lid(FillProblem& problem, const TriedFills&) {
   const SidesFound& sides = problem.sides();
@@ -259,28 +257,27 @@ Fill make_lid(FillProblem& problem, const TriedFills&) {
 }
 
 /// Why the whole surrounding surface is continued.
-std::string why_spline(FillProblem& problem, const TriedFills& tried) {
+Reason why_spline(FillProblem& problem, const TriedFills& tried) {
   const SidesFound& sides = problem.sides();
   if (sides.domain == PatchDomain::none || problem.options.cap != Cap::automatic) return sides.reason;
-  const std::size_t count = sides.domain == PatchDomain::triangle ? 3 : sides.corners.size();
-  const std::string between =
-      sides.domain == PatchDomain::disc ? "over the round hole" : "between " + std::to_string(count) + " corners";
-  const FillCandidate& patch = patch_in(tried).row;
-  if (patch.status == CandidateStatus::refused) return "no patch fits " + between + ": " + patch.why;
-  if (patch.quality.crosses) return "a patch " + between + " would cross itself";
-  if (patch.quality.folds > 0) return "a patch " + between + " would fold";
-  if (patch.quality.exceeds_hole_bounds) return "a patch " + between + " would leave the hole";
-  return "the whole surrounding surface says more than " +
-         (sides.domain == PatchDomain::disc ? "the round boundary" : "its " + std::to_string(count) + " sides");
+  const std::size_t count = sides.domain == PatchDomain::triangle ? 3 : std::max<std::size_t>(sides.corners.size(), 1);
+  const Tried& patch = patch_in(tried);
+  if (patch.refusal) return Message{Code::no_patch_fits, {{"count", count}, {"reason", patch.refusal->message()}}};
+  const Quality& quality = patch.row.quality;
+  return Message{quality.crosses               ? Code::patch_crosses
+                 : quality.folds > 0           ? Code::patch_folds_over
+                 : quality.exceeds_hole_bounds ? Code::patch_leaves_hole
+                                               : Code::surroundings_tell_more,
+                 {{"count", count}}};
 }
 
-std::string skip_spline(FillProblem& problem, const TriedFills& tried) {
+Reason skip_spline(FillProblem& problem, const TriedFills& tried) {
   if (problem.sides().has_lost_wall) return problem.sides().reason;
   const Tried* const best = best_of(tried);
-  if (!best || !is_valid(best->row.quality)) return "";
-  if (wants_patch(problem)) return "a patch between the sides was requested";
-  if (problem.is_of_revolution) return "the surroundings are of revolution, as the patch is";
-  return is_beside_sharp(*best->fill) ? "the patch takes account of sides that meet the mesh at an angle" : "";
+  if (!best || !is_valid(best->row.quality)) return {};
+  if (wants_patch(problem)) return Message{Code::patch_requested};
+  if (problem.is_of_revolution) return Message{Code::spline_of_revolution};
+  return unless(!is_beside_sharp(*best->fill), Code::meets_sharp_sides);
 }
 
 Fill make_spline(FillProblem& problem, const TriedFills& tried) {
@@ -290,22 +287,24 @@ Fill make_spline(FillProblem& problem, const TriedFills& tried) {
 }
 
 /// The spline with the tangent planes of a patch that is not valid itself, if they are known better.
-std::string skip_spline_with_planes(FillProblem& problem, const TriedFills& tried) {
+Reason skip_spline_with_planes(FillProblem& problem, const TriedFills& tried) {
   const Tried &patch = patch_in(tried), &spline = tried.back();
-  if (!patch.fill || is_valid(patch.row.quality)) return "a patch has these tangent planes already";
-  if (asks_for_sides(problem.sides().options)) return "sides were requested";
+  if (!patch.fill || is_valid(patch.row.quality)) return Message{Code::has_planes_already};
+  if (asks_for_sides(problem.sides().options)) return Message{Code::sides_requested};
   const bool better = spline.fill && patch.fill->report.surroundings_error < spline.fill->report.surroundings_error;
-  return better ? "" : "the tangent planes of the sides are not more accurate";
+  return unless(better, Code::planes_not_better);
 }
 
 Fill make_spline_with_planes(FillProblem& problem, const TriedFills& tried) {
-  return fill_with_planes_of(problem.context, *patch_in(tried).fill, problem.sides().options, why_spline(problem, tried));
+  Fill fill = fill_with_planes_of(problem.context, *patch_in(tried).fill, problem.sides().options);
+  fill.report.method_reason = why_spline(problem, tried);
+  return fill;
 }
 
-std::string skip_folded(FillProblem&, const TriedFills& tried) {
+Reason skip_folded(FillProblem&, const TriedFills& tried) {
   const Tried* const best = best_of(tried);
   const bool laid_out = !patch_in(tried).fill || patch_in(tried).fill->faces.size() > 0;
-  return laid_out || (best && is_valid(best->row.quality)) ? "another fill does not fold" : "";
+  return unless(!laid_out && !(best && is_valid(best->row.quality)), Code::other_does_not_fold);
 }
 
 Fill make_folded(FillProblem& problem, const TriedFills&) {
@@ -315,28 +314,28 @@ Fill make_folded(FillProblem& problem, const TriedFills&) {
   return fill;
 }
 
-std::string skip_flat(FillProblem& problem, const TriedFills& tried) {
+Reason skip_flat(FillProblem& problem, const TriedFills& tried) {
   const Tried* const best = best_of(tried);
   const bool passes = problem.context.keeps_clear && best && best->row.quality.crosses;
-  return passes && is_continuity_open(problem.options) ? "" : "another fill does not pass through the mesh";
+  return unless(passes && is_continuity_open(problem.options), Code::other_does_not_cross);
 }
 
 Fill make_flat(FillProblem& problem, const TriedFills&) {
   Fill fill = fill_flat(problem.context, problem.loop, problem.sides().options);
-  fill.report.method_reason = "what is tangent to the mesh passes through it";
+  fill.report.method_reason = Message{Code::tangent_fill_crosses};
   return fill;
 }
 
 /// All ways to fill a hole, the cheapest first. The patch is the second: the others ask for it (see patch_in).
 constexpr std::array strategies = {
-    Strategy{rows_method, "", skip_rows, make_rows},
-    Strategy{polygon_method, "", skip_patch, make_patch},
-    Strategy{polygon_method, "lower cap", skip_lower_cap, make_lower_cap},
-    Strategy{spline_method, "flat wall", skip_lid, make_lid},
-    Strategy{spline_method, "", skip_spline, make_spline},
-    Strategy{spline_method, "tangent planes of the patch", skip_spline_with_planes, make_spline_with_planes},
-    Strategy{polygon_method, "folded patch", skip_folded, make_folded},
-    Strategy{spline_method, "flat", skip_flat, make_flat},
+    Strategy{rows_method, {}, skip_rows, make_rows},
+    Strategy{polygon_method, {}, skip_patch, make_patch},
+    Strategy{polygon_method, Code::lower_cap, skip_lower_cap, make_lower_cap},
+    Strategy{spline_method, Code::flat_wall, skip_lid, make_lid},
+    Strategy{spline_method, {}, skip_spline, make_spline},
+    Strategy{spline_method, Code::planes_of_patch, skip_spline_with_planes, make_spline_with_planes},
+    Strategy{polygon_method, Code::folded_patch, skip_folded, make_folded},
+    Strategy{spline_method, Code::flat_fill, skip_flat, make_flat},
 };
 
 /// The edges of the rim at which a fill meets the mesh at an angle.

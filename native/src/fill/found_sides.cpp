@@ -33,9 +33,7 @@ bool asks_for_positions_only(FillOptions options) {
   return all && !is_shaped_by_hand(options);
 }
 
-std::string smooth_sides_of(std::size_t count) {
-  return "the hole has " + (count == 3 ? "three" : std::to_string(count)) + " smooth sides";
-}
+Message smooth_sides_of(std::size_t count) { return {Code::has_smooth_sides, {{"count", count}}}; }
 
 /// Finds the sides of a hole.
 class SideFinder {
@@ -49,15 +47,15 @@ public:
   SidesFound found() {
     FillOptions& options = out_.options;
     if (options.cap != Cap::automatic && options.islands.empty()) return cap();
-    if (!options.islands.empty()) return none("the hole has islands");
+    if (!options.islands.empty()) return none(Code::has_islands);
     if (!given_) return detected();
-    if (given_->empty()) return round_or("a round hole was requested, but its boundary is not smooth");
+    if (given_->empty()) return round_or(Code::round_not_smooth);
     out_.is_flat = missing_planar_face(ground_, loop_, *given_, options);
     if (out_.is_flat) options.continuity = SideContinuity::free;
     if (makes_polygon(*given_) || (given_->size() == 3 && !options.through.empty())) return polygon(*given_);
-    if (given_->size() != 3) return none(std::to_string(given_->size()) + " corners are given");
+    if (given_->size() != 3) return none(Code::corners_given, {{"count", given_->size()}});
     check_finite(ground_.mesh, ground_.left, loop_);
-    if (const std::string crease = crease_across(); !crease.empty()) return none(crease);
+    if (const std::optional<Code> crease = crease_across()) return none(*crease);
     return triangle(make_hole(ground_.mesh, ground_.left, loop_, three(given_)));
   }
 
@@ -67,36 +65,36 @@ private:
     std::rotate(loop_.begin(), std::min_element(loop_.begin(), loop_.end()), loop_.end());
     check_finite(ground_.mesh, ground_.left, loop_);
     const std::vector<Index> corners = at_places(loop_, corners_between_sides(ground_.mesh, ground_.left, loop_));
-    if (const std::string crease = crease_across(); !crease.empty()) return none(crease);
+    if (const std::optional<Code> crease = crease_across()) return none(*crease);
     if (missing_planar_face(ground_, loop_, corners, out_.options)) {
       out_.has_lost_wall = true;
-      return none("a flat wall is missing");
+      return none(Code::wall_missing);
     }
     if (makes_polygon(corners) || (corners.size() == 3 && !out_.options.through.empty())) return polygon(corners);
     try {
       return triangle(make_hole(ground_.mesh, ground_.left, loop_, std::nullopt));
     } catch (const CodedRefusal&) {
-      return between_sharp("no smooth sides were found");
+      return between_sharp(Code::no_smooth_sides);
     }
   }
 
-  SidesFound between_sharp(const std::string& otherwise) {
+  SidesFound between_sharp(Code otherwise) {
     const std::vector<Index> sharp = at_places(loop_, corners_between_sharp(ground_.mesh, ground_.left, loop_));
     if (sharp.empty()) return round_or(otherwise);
     const bool sided = makes_polygon(sharp) && (!asks_for_sides(out_.options) || asks_for_positions_only(out_.options));
     return sided ? polygon(sharp) : none(otherwise);
   }
 
-  /// Which crease of the surroundings continues across the hole; empty: none.
-  std::string crease_across() {
+  /// Which crease of the surroundings continues across the hole; none: no one.
+  std::optional<Code> crease_across() {
     if (!out_.options.features) return {};
     const Features near = find_features(ground_.mesh, ground_.left, loop_);
     const auto goes_on = [&](const Connectivity& around) { return find_features(ground_.mesh, around, loop_).found(); };
     if (near.found() && (!ground_.is_part() || goes_on(Connectivity(ground_.mesh, out_.options.replaced))))
-      return !near.walls || !near.walls->are_flat ? "a crease of the surroundings continues across the hole"
-             : near.walls->parts.size() == 1      ? "a flat wall continues over the hole"
-             : near.walls->nodes.empty()          ? "a crease of the surroundings continues across the hole"
-                                                  : "flat walls around the hole meet in it";
+      return !near.walls || !near.walls->are_flat ? Code::crease_continues
+             : near.walls->parts.size() == 1      ? Code::wall_continues
+             : near.walls->nodes.empty()          ? Code::crease_continues
+                                                  : Code::walls_meet;
     const auto is_known = [&](Index v) { return ground_.left.knows(v); };
     // what is not there need not be sought again
     out_.options.features = near.found() || !std::all_of(near.vertices.begin(), near.vertices.end(), is_known);
@@ -106,7 +104,7 @@ private:
   SidesFound cap() {
     out_.has_lost_wall = out_.options.cap == Cap::flat;
     out_.of_spline.emplace();
-    out_.reason = std::string("a ") + name_of(out_.options.cap) + " cap was requested";
+    out_.reason = Message{Code::cap_requested, {{"cap", name_of(out_.options.cap)}}};
     if (out_.options.cap == Cap::flat) {
       check_finite(ground_.mesh, ground_.left, loop_);
       return std::move(out_);
@@ -115,11 +113,11 @@ private:
     out_.domain = PatchDomain::disc;
     return std::move(out_);
   }
-  SidesFound round_or(const std::string& otherwise) {
+  SidesFound round_or(Code otherwise) {
     out_.of_spline.emplace();
     if (!is_round(ground_.mesh, ground_.left, loop_)) return none(otherwise);
     out_.domain = PatchDomain::disc;
-    out_.reason = "the hole is round";
+    out_.reason = Message{Code::is_round};
     return std::move(out_);
   }
   SidesFound polygon(const std::vector<Index>& corners) {
@@ -134,8 +132,8 @@ private:
     out_.hole = std::move(hole);
     return std::move(out_);
   }
-  SidesFound none(const std::string& reason) {
-    out_.reason = reason;
+  SidesFound none(Code reason, std::vector<Parameter> parameters = {}) {
+    out_.reason = Message{reason, std::move(parameters)};
     return std::move(out_);
   }
 

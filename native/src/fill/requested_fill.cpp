@@ -106,8 +106,7 @@ std::optional<Fill> fill_with_many_sides(const FillContext& context, const std::
   } else {
     fill = polygon_fill(context, loop, given, options);
   }
-  fill.report.method_reason =
-      options.method == polygon_method ? "it was requested" : "a patch over a polygon meets the points inside";
+  if (options.method != polygon_method) fill.report.method_reason = Message{Code::polygon_meets_points};
   return fill;
 }
 

@@ -260,12 +260,11 @@ std::optional<Fill> fill_with_rows(const FillContext& context, const std::vector
 Fill fill_with_rows_only(const FillContext& context, const std::vector<Index>& rim, const Corners& corners,
                          const FillOptions& options) {
   if (options.surroundings == SurroundingsFrom::limit)
-    throw CodedRefusal(Code::limit_needs_three_corners, {{"reason", std::string(rows_method) + " reads the mesh"}});
+    throw CodedRefusal(Code::limit_needs_three_corners, {{"reason", Message{Code::reads_mesh, {{"method", rows_method}}}}});
   std::optional<Fill> fill = fill_with_rows(context, check_topology(context.left, rim), options.output, options.features);
   const auto is_other = [&](Index v) { return std::ranges::find(fill->report.corners, v) == fill->report.corners.end(); };
   if (!fill || (corners && (corners->size() != fill->report.corners.size() || std::ranges::any_of(*corners, is_other))))
     throw CodedRefusal(Code::no_rows_of_quads, rim);
-  fill->report.method_reason = "it was requested";
   return std::move(*fill);
 }
 

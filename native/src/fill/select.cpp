@@ -34,17 +34,11 @@ double stated_error(const Fill& fill, double size) {
 auto compared(const Quality& q) { return std::tuple(q.crosses, q.folds, q.exceeds_hole_bounds); }
 
 /// Why a candidate is not used.
-std::string why_not(const Quality& quality, const Quality& used) {
-  if (quality.crosses > used.crosses) return "crosses itself or the mesh";
-  if (quality.folds > used.folds) return "folds";
-  if (quality.exceeds_hole_bounds > used.exceeds_hole_bounds) return "leaves the hole";
-  return "is expected to be less accurate";
-}
-
-/// What is wrong, without what to do: another method is tried anyway.
-std::string reason_of(const CodedRefusal& refusal) {
-  const std::string said = refusal.what();
-  return said.substr(0, said.find(". "));
+Code why_not(const Quality& quality, const Quality& used) {
+  if (quality.crosses > used.crosses) return Code::candidate_crosses;
+  if (quality.folds > used.folds) return Code::candidate_folds;
+  if (quality.exceeds_hole_bounds > used.exceeds_hole_bounds) return Code::candidate_leaves_hole;
+  return Code::less_accurate;
 }
 
 }  // namespace
@@ -79,9 +73,9 @@ void list_used(const Mesh& mesh, const FillOptions& options, Fill& fill) {
   Report& report = fill.report;
   std::vector<FillCandidate>& rows = report.candidates;
   if (rows.empty() || rows[0].status != CandidateStatus::used) rows.emplace(rows.begin());
-  const char* const plain = options.method == automatic_method ? "a cage between the corners of the hole" : "it was requested";
+  if (!report.method_reason) report.method_reason = Message{Code::requested};
   rows[0] = {report.method, CandidateStatus::used, quality_of(mesh, fill, diameter(mesh, fill.rim), report.rim_folded, options),
-             report.method_reason.empty() ? plain : report.method_reason};
+             report.method_reason};
 }
 
 bool is_valid(const Quality& quality) { return compared(quality) == compared({}); }
@@ -112,9 +106,9 @@ TriedFills try_all(FillProblem& problem, std::span<const Strategy> strategies, d
     try {
       now.row.why = strategy.skips(problem, tried);
       const Tried* const best = best_of(tried);
-      if (now.row.why.empty() && best && is_valid(best->row.quality) && is_negligible(best->row.quality.expected_error, size))
-        now.row.why = "nothing can be visibly more accurate than " + best->row.method;
-      if (now.row.why.empty()) {
+      if (!now.row.why && best && is_valid(best->row.quality) && is_negligible(best->row.quality.expected_error, size))
+        now.row.why = Message{Code::accurate_enough, {{"method", best->row.method}}};
+      if (!now.row.why) {
         now.fill = strategy.make(problem, tried);
         now.row.method = now.fill->report.method;
         now.row.status = CandidateStatus::made;
@@ -122,7 +116,7 @@ TriedFills try_all(FillProblem& problem, std::span<const Strategy> strategies, d
       }
     } catch (const CodedRefusal& refusal) {
       now.row.status = CandidateStatus::refused;
-      now.row.why = reason_of(refusal);
+      now.row.why = Message{Code::not_made, {{"reason", refusal.message()}}};
       now.refusal = refusal;
     }
     tried.push_back(std::move(now));
@@ -139,8 +133,8 @@ Fill selected(TriedFills tried) {
   const auto used = static_cast<std::size_t>(best - tried.data());
   std::vector<FillCandidate> rows;
   for (Tried& each : tried) {
-    if (each.row.status == CandidateStatus::made) each.row.why = why_not(each.row.quality, best->row.quality);
-    if (*each.variant) each.row.why = each.variant + (": " + each.row.why);
+    if (each.row.status == CandidateStatus::made) each.row.why = Message{why_not(each.row.quality, best->row.quality)};
+    if (each.variant) each.row.why = Message{*each.variant, {{"reason", *each.row.why}}};
     rows.push_back(each.row);
   }
   Fill fill = std::move(*tried[used].fill);

@@ -22,9 +22,7 @@ namespace tripatch {
 void complete_report(const SidedRim& hole, const FillOptions& options, Report& report) {
   const bool automatic = options.method == automatic_method, three = hole.is_triangle();
   report.method = three ? find_method(automatic ? patch_method : options.method).name : polygon_method;
-  report.method_reason = !automatic ? "it was requested"
-                         : three    ? "the hole has three smooth sides"
-                                    : "the hole has " + std::to_string(hole.sides()) + " sides";
+  if (automatic) report.method_reason = Message{three ? Code::has_smooth_sides : Code::has_sides, {{"count", hole.sides()}}};
   take_corners(hole.rim, hole.corners, report);
   tell_corners(report);
   tell_folds(report);
@@ -95,7 +93,7 @@ std::optional<Fill> fill_over_points(const FillContext& context, const Hole& hol
   fill.rim_normals = Points(fill.rim_normals(corner, Eigen::all));
   fill.rim_uv = PlanePoints(fill.rim_uv(corner, Eigen::all));
   Report& report = fill.report;
-  report.method_reason = "a patch between three corners would fold";
+  report.method_reason = Message{Code::patch_folds_over, {{"count", 3}}};
   report.corners.clear();
   for (Index k : hole.corners) report.corners.push_back(hole.rim[k]);
   report.warnings.insert(report.warnings.begin(), surroundings.warnings.begin(), surroundings.warnings.end());

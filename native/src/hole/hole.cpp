@@ -83,9 +83,7 @@ Hole find_hole(const Mesh& mesh, const Connectivity& around) {
   if (found.empty()) {
     if (loops.size() == 1) throw *refusal;
     throw CodedRefusal(Code::no_hole_fillable,
-                       {{"count", loops.size()},
-                        {"shortest", std::vector<Index>{loops[0][0]}},
-                        {"reason", std::make_shared<const Message>(refusal->message())}},
+                       {{"count", loops.size()}, {"shortest", std::vector<Index>{loops[0][0]}}, {"reason", refusal->message()}},
                        refusal->where());
   }
   std::vector<Loop> rims;

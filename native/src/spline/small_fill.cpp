@@ -309,10 +309,10 @@ void measure_dihedrals(const Mesh& mesh, const Connectivity& around, Fill& fill)
 }
 
 /// What is reported of a fill without a patch.
-void complete(const Mesh& mesh, const Connectivity& around, const std::string& reason, Fill& fill) {
+void complete(const Mesh& mesh, const Connectivity& around, Code reason, Fill& fill) {
   Report& report = fill.report;
   report.method = spline_method;
-  report.method_reason = reason;
+  report.method_reason = Message{reason};
   report.seam_angle_max_by_side.clear();
   report.seam_angle_rms_by_side.clear();
   report.continuity.clear();
@@ -392,7 +392,7 @@ std::optional<Fill> fill_small(const Mesh& mesh, const Connectivity& around, con
   }
   fill.deviation = Eigen::VectorXd::Constant(added, share_of_error * frame->unit * error);
   if (added > 0) fill.report.deviation_max = fill.deviation.maxCoeff();
-  complete(mesh, around, "the hole is small and its surroundings are smooth", fill);
+  complete(mesh, around, Code::is_small, fill);
   return fill;
 }
 
@@ -401,7 +401,7 @@ std::optional<Fill> fill_with_one_triangle(const Mesh& mesh, const Connectivity&
   fill.rim = rim;
   fill.faces.add(rim);
   fill.report.corners = rim;
-  complete(mesh, around, "the hole has three edges", fill);
+  complete(mesh, around, Code::has_three_edges, fill);
   if (!(fill.report.seam_angle_max < folded_degrees)) return {};
   const Vec3 a = mesh.vertices.row(rim[0]), b = mesh.vertices.row(rim[1]), c = mesh.vertices.row(rim[2]);
   fill.rim_normals = (b - a).cross(c - a).normalized().transpose().replicate(3, 1);

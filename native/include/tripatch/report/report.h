@@ -35,7 +35,7 @@ struct FillCandidate {
   std::string method;
   CandidateStatus status = CandidateStatus::skipped;
   Quality quality;  ///< of fills that were made
-  std::string why;
+  Reason why;
 };
 
 /// What a fill keeps along a side. unknown: not measured; none: the patch misses its boundary.
@@ -74,7 +74,7 @@ struct Report {
   /// The optimiser's path where lambda of a Szilvasi-Nagy method was to be optimal: (lambda, thin-plate energy), the last was taken.
   std::vector<std::pair<std::array<double, 3>, double>> shape_path;
   std::string method;                     ///< name of the method used
-  std::string method_reason;              ///< and why it was
+  Reason method_reason;                   ///< and why it was
   std::vector<FillCandidate> candidates;  ///< the one that is used, then, of method auto, the others
   std::optional<double> deviation_max;    ///< largest of Fill::deviation, scene units; none: unknown
   /// Edges of the new faces that are folded, those of the rim over the faces beyond it too; of a cage those of its limit surface.

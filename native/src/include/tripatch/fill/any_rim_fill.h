@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "tripatch/fill/fill_context.h"
 #include "tripatch/output/fill_result.h"
@@ -17,14 +16,12 @@ bool is_shaped_by_hand(const FillOptions& options);
 bool is_continuity_open(const FillOptions& options);
 
 /// The spline of the rim alone with the normals that a patch has along it, where that patch knows the planes there but folds inside.
-Fill fill_with_planes_of(const FillContext& context, const Fill& patch, const FillOptions& options, const std::string& reason);
+Fill fill_with_planes_of(const FillContext& context, const Fill& patch, const FillOptions& options);
 
-/// reason: why this method.
-Fill fill_any_rim(const FillContext& context, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options,
-                  const std::string& reason);
+Fill fill_any_rim(const FillContext& context, const std::vector<Index>& rim, const Corners& corners, const FillOptions& options);
 
 /// The ring between the rim and its only island; a Refusal else.
-Fill fill_ring(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options, const std::string& reason);
+Fill fill_ring(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options);
 /// A hole with islands: a ring where there is one island, unless the whole surrounding surface suggests another surface.
 Fill fill_around_islands(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options);
 

@@ -1,10 +1,10 @@
 // The sides of a hole, and what follows from them for its fill.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "tripatch/fill/fill_context.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 
@@ -13,7 +13,7 @@ enum class PatchDomain { none, triangle, polygon, disc };
 
 struct SidesFound {
   PatchDomain domain = PatchDomain::none;
-  std::string reason;               ///< why there is no patch, or of the domain
+  Reason reason;                    ///< why there is no patch, or of the domain
   Hole hole = {};                   ///< of a triangle
   std::vector<Index> corners = {};  ///< of a polygon
   Corners of_spline = {};

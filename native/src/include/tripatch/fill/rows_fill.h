@@ -10,9 +10,6 @@
 
 namespace tripatch {
 
-/// Why such a fill is made, where nobody asked for it.
-constexpr const char* rows_reason = "rows of quads continue across the hole";
-
 /// Quads, or halves of these, as many as the rim's edges ask for: of a block (see quad_rows) on a surface through all rows, of other outlines
 /// (see go_on) without one. rim: in the direction of new faces. None where no rows continue, where the surroundings meet the rim at an angle,
 /// or an edge of the mesh would be doubled. `deviation` is what the rim's own sides are missed by where they are continued in this way

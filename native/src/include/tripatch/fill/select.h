@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "tripatch/messages.h"
@@ -23,7 +22,7 @@ bool is_negligible(double error, double size);
 
 /// size: the hole's diameter. forced_folds: folds that its rim leaves no way around.
 Quality quality_of(const Mesh& mesh, const Fill& fill, double size, Index forced_folds, const FillOptions& options);
-/// Puts the fill as it is delivered first in the candidates of its report.
+/// Puts the fill as it is delivered first in the candidates of its report. A method of which no reason is given was requested.
 void list_used(const Mesh& mesh, const FillOptions& options, Fill& fill);
 
 /// Whether a fill neither crosses itself nor folds nor leaves the hole.
@@ -34,7 +33,7 @@ bool is_better(const Quality& a, const Quality& b);
 /// A candidate with its fill if it was made, or its refusal.
 struct Tried {
   FillCandidate row;
-  const char* variant = "";  ///< of its strategy
+  std::optional<Code> variant;  ///< of its strategy
   std::optional<Fill> fill;
   std::optional<CodedRefusal> refusal;
 };
@@ -49,10 +48,10 @@ struct FillProblem;
 /// One way to fill a hole. tried: the candidates of the strategies before it.
 struct Strategy {
   const char* method;
-  /// What distinguishes it from others of the method; empty: it is the plain one.
-  const char* variant;
-  /// Why it is not tried; empty: it is.
-  std::string (*skips)(FillProblem&, const TriedFills& tried);
+  /// What distinguishes it from others of the method; none: it is the plain one.
+  std::optional<Code> variant;
+  /// Why it is not tried; none: it is.
+  Reason (*skips)(FillProblem&, const TriedFills& tried);
   /// May throw a CodedRefusal.
   Fill (*make)(FillProblem&, const TriedFills& tried);
 };
