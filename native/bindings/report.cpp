@@ -1,6 +1,8 @@
 // The report of a fill and the table of constructions.
 #include "tripatch/report/report.h"
 
+#include <cmath>
+
 #include "arrays.h"
 #include "bindings.h"
 #include "tripatch/constructions/methods.h"
@@ -38,6 +40,7 @@ std::array<std::vector<Index>, 2> triangles_of(const Eigen::Map<const Points>& v
   return {std::move(corners), std::move(of_face)};
 }
 
+py::object known(double value) { return std::isnan(value) ? py::object(py::none()) : py::float_(value); }
 py::object told(const Reason& reason) { return reason ? message_object(*reason) : py::str(); }
 
 /// As tripatch.candidates.Candidate, in the order of its fields.
@@ -49,8 +52,8 @@ py::list candidates_of(const Report& report) {
     const char* const status = names[static_cast<std::size_t>(each.status)];
     const Quality& q = each.quality;
     if (each.status == CandidateStatus::used || each.status == CandidateStatus::made)
-      out.append(
-          type(each.method, status, q.expected_error, q.folds, q.crosses, q.exceeds_hole_bounds, q.seam_deg, told(each.why)));
+      out.append(type(each.method, status, known(q.expected_error), q.folds, q.crosses, q.exceeds_hole_bounds, known(q.seam_deg),
+                      told(each.why)));
     else
       out.append(type(each.method, status, py::none(), py::none(), py::none(), py::none(), py::none(), told(each.why)));
   }
@@ -107,7 +110,7 @@ void bind_report(py::module_& m) {
           "Why that method was used: a sentence (`Message`) with a `code`; empty: of a patch that was made alone.")
       .def_property_readonly(
           "candidates", candidates_of,
-          "The ways to fill the hole, each a `Candidate`: the one that is used, then, with method auto, the others.")
+          "The ways to fill the hole, each a `Candidate`: the one that is used, then, with method auto and of cages, the others.")
       .def_readonly("deviation_max", &Report::deviation_max,
                     "Largest standard deviation of a new vertex, in units of the mesh; None: the method does not know it.")
       .def_readonly(

@@ -241,7 +241,7 @@ def test_a_cage_between_corners_that_would_fold_if_pulled_at_stays_a_cage(addon)
     assert "Filled without Bulge" in after.said[-1][1]
 
 
-@pytest.mark.parametrize("make", [jagged_ball, three_sides])
+@pytest.mark.parametrize("make", [jagged_ball, three_sides, cage])
 def test_the_candidates_of_a_fill_have_the_words_of_the_panel(addon, make):
     state, _ = filled(addon, make)
     used, *others = state.candidates.split("\n")

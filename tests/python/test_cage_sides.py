@@ -131,6 +131,9 @@ def test_extra_rows_that_do_not_fit_are_left_out():
     plain = tripatch.fill(vertices, faces, rim=rim, output="cage", resolution=0)
     fill = tripatch.fill(vertices, faces, rim=rim, output="cage", resolution=3)
     assert says(fill.report, "fewer_rows") and fill.report.rows == 0
+    tried = [each for each in fill.report.candidates if each.why.code == "cage_with_rows"]
+    assert sorted(each.why.parameters["rows"] for each in tried) == [1, 3]
+    assert all(each.status == "refused" or each.crosses or each.folds for each in tried)
     assert np.array_equal(fill.faces, plain.faces) and (fill.vertices == plain.vertices).all()
 
 

@@ -79,7 +79,7 @@ def test_each_fill_is_listed_with_its_numbers_whatever_made_it(options):
     used, *others = report.candidates
     assert (used.status, used.method) == ("used", report.method)
     assert used.expected_error >= 0 and used.seam_deg == report.seam_angle_max
-    assert used.why and bool(others) == (options == {"bulge": 0.3})
+    assert used.why and bool(others) == (options in ({"bulge": 0.3}, {"output": "cage"}))
     assert not any(each.status == "used" for each in others)
 
 
@@ -134,6 +134,17 @@ def test_what_is_refused_is_a_reason_without_what_to_do():
     assert refused.endswith(". Merge the two")
     assert why == "flat wall: The edge between vertices 5 and 6 has no length"
     assert why.codes == {"flat_wall", "not_made", "edge_without_length"}
+
+
+def test_a_cage_lists_the_cages_that_were_not_tried_and_why():
+    vertices, faces, rim = octant(4)
+    used, *others = candidates(vertices, faces, rim=rim, output="cage")
+    ways = {"cage_in_rows", "cage_on_surface", "fairest_cage"}
+    assert used.status == "used" and len(others) == 2
+    assert {each.why.code for each in others} < ways and {each.status for each in others} == {"skipped"}
+    exact = candidates(vertices, faces, rim=rim, output="cage", cage_rim="exact")[1:]
+    assert {each.why.code for each in exact} == ways
+    assert {each.why.parameters["reason"].code for each in exact} == {"options_ask_otherwise"}
 
 
 def test_why_prints_a_row_for_each_candidate_the_used_one_first(tmp_path, capsys):

@@ -241,6 +241,23 @@ enum class Code : std::uint16_t {
   planes_of_patch,
   folded_patch,
   flat_fill,
+  // Why a cage is not used
+  does_as_much_harm,
+  other_tried_first,
+  cages_fitted_together,
+  options_ask_otherwise,
+  rows_do_not_continue,
+  surface_tells_more,
+  fair_cage_stays,
+  leaves_surface,
+  no_vertices_inside,
+  no_surface_continues,
+  // Cages that are tried
+  cage_in_rows,
+  cage_on_surface,
+  fairest_cage,
+  fitted_cage,
+  cage_with_rows,
   // Rings between two boundaries
   ring_takes_two,
   boundaries_not_joined,

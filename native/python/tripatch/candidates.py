@@ -8,7 +8,7 @@ from .messages import Message
 
 
 class Candidate(NamedTuple):
-    """One way to fill a hole, and what became of it. Numbers are None unless the fill was made."""
+    """One way to fill a hole, and what became of it. Numbers are None unless the fill was made and they are known."""
 
     method: str
     status: Literal["used", "made", "skipped", "refused"]

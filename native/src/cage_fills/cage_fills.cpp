@@ -9,8 +9,11 @@
 
 #include "tripatch/cage_fills/tried_cages.h"
 #include "tripatch/fill/insisted.h"
+#include "tripatch/fill/select.h"
+#include "tripatch/fill/triangle_fill.h"
 #include "tripatch/hole/clear_corners.h"
 #include "tripatch/hole/rim_checks.h"
+#include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
@@ -82,15 +85,22 @@ void refuse_if_doubled(const FillContext& context, const SidedRim& hole, const F
   throw Harmful(Code::cage_doubles_edge, at_places(hole.rim, hole.corners));
 }
 
-/// A cage without harm between four guessed corners, or of quads that grow in from the rim.
+using CageRows = std::vector<FillCandidate>;
+
+void add(const CageRows& more, CageRows& all) { all.insert(all.end(), more.begin(), more.end()); }
+
+/// A cage without harm between four guessed corners, or of quads that grow in from the rim. lost: those that do harm are added.
 std::optional<Fill> harmless_without_corners(const FillContext& context, const SidedRim& hole, const FillOptions& options,
-                                             SeenWays& seen) {
+                                             SeenWays& seen, CageRows& lost) {
   std::optional<SidedRim> guess = hole.guessed ? hole : guessed_rim(context, hole.rim);
   for (const bool by_angle : {false, true}) {
     if (!guess || (hole.guessed && !by_angle)) continue;
     guess->by_angle = by_angle;
     const TriedOnes other = try_cages(context, {*guess}, options, &seen);
-    if (!other->is_harmless()) continue;
+    if (!other->is_harmless()) {
+      add(other->listed({}), lost);
+      continue;
+    }
     Fill fill = std::move(other->fills()[0]);
     if (is_finite(fill)) return fill;
   }
@@ -103,16 +113,22 @@ std::vector<Fill> with_these_rows(const FillContext& context, const std::vector<
   const bool alone = holes.size() == 1;
   SeenWays seen;
   const TriedOnes tried = try_cages(context, holes, options, alone && first.guessed ? &seen : nullptr);
+  CageRows lost;
   if (alone && !first.given && !tried->is_harmless()) {
     const Fill faces = tried->faces();
     refuse_infinite(faces, first.rim);
     refuse_if_doubled(context, first, faces);
     std::optional<Fill> other;
-    if (!is_named(options)) other = harmless_without_corners(context, first, options, seen);
-    if (other) return {std::move(*other)};
+    if (!is_named(options)) other = harmless_without_corners(context, first, options, seen, lost);
+    if (other) {
+      add(tried->listed({}), other->report.candidates);
+      add(lost, other->report.candidates);
+      return {std::move(*other)};
+    }
     refuse_if_harmful(first, tried->crosses_itself(), true);
   }
   std::vector<Fill> fills = tried->fills();
+  add(lost, fills[0].report.candidates);
   for (std::size_t h = 0; h < holes.size(); ++h) {
     const Report& report = fills[h].report;
     refuse_infinite(fills[h], holes[h].rim);
@@ -122,6 +138,18 @@ std::vector<Fill> with_these_rows(const FillContext& context, const std::vector<
   return fills;
 }
 
+/// A row of a cage with other extra rows, and those that it lists.
+CageRows listed(const FillContext& context, int rows, const Fill& fill, const Harm& used, const FillOptions& options) {
+  const Quality own = quality_of(context.mesh, fill, diameter(context.mesh, fill.rim), 0, options);
+  const Quality other = {used.first, used.second, own.exceeds_hole_bounds};
+  const Message why = {harm(fill.report) == used ? Code::does_as_much_harm : why_not(own, other)};
+  CageRows out = {
+      {fill.report.method, CandidateStatus::made, own, Message{Code::cage_with_rows, {{"rows", rows}, {"reason", why}}}}};
+  for (const FillCandidate& each : fill.report.candidates)
+    if (each.status != CandidateStatus::skipped) out.push_back(each);
+  return out;
+}
+
 /// The same, or fewer where that does less harm.
 std::vector<Fill> with_rows_or_fewer(const FillContext& context, const std::vector<SidedRim>& holes, const FillOptions& options) {
   const int wanted = options.resolution.value_or(0);
@@ -129,16 +157,28 @@ std::vector<Fill> with_rows_or_fewer(const FillContext& context, const std::vect
   FillOptions fewer = options;
   std::optional<Fill> best;
   int most = 0;
+  CageRows lost;
   for (int rows = wanted; !best || harm(best->report) != Harm(false, 0); rows /= 2) {
     fewer.resolution = rows;
     try {
       Fill fill = std::move(with_these_rows(context, holes, fewer)[0]);
-      if (!best || harm(fill.report) < harm(best->report)) best = std::move(fill), most = rows;
-    } catch (const Harmful&) {
+      if (!best || harm(fill.report) < harm(best->report)) {
+        if (best) add(listed(context, most, *best, harm(fill.report), fewer), lost);
+        best = std::move(fill), most = rows;
+      } else {
+        add(listed(context, rows, fill, harm(best->report), fewer), lost);
+      }
+    } catch (const Harmful& refusal) {
       if (rows == 0 && !best) throw;
+      const Message why = {Code::not_made, {{"reason", refusal.message()}}};
+      lost.push_back({method_between(holes[0], options),
+                      CandidateStatus::refused,
+                      {},
+                      Message{Code::cage_with_rows, {{"rows", rows}, {"reason", why}}}});
     }
     if (rows == 0) break;
   }
+  add(lost, best->report.candidates);
   if (most < wanted) best->report.warnings.push_back({Code::fewer_rows, {{"rows", most}, {"wanted", wanted}}});
   return {std::move(*best)};
 }

@@ -76,8 +76,8 @@ std::optional<Points> as_laid_out(const Fill& block, const CageHole& laid_out) {
 }
 
 /// Whether a surface around the rows is expected to be more accurate.
-bool surface_tells_more(const FillContext& context, const Fill& rows, const std::vector<Index>& replaced) {
-  const double size = diameter(context.mesh, rows.rim), error = expected_error(rows, size);
+bool surface_tells_more(const FillContext& context, const Fill& rows, double error, double size,
+                        const std::vector<Index>& replaced) {
   if (is_negligible(error, size)) return false;
   try {
     FillOptions triangles;
@@ -123,23 +123,27 @@ std::optional<OnMesh> cage_on_mesh(const FillContext& context, const SidedRim& h
   const Points on_plane = as_rows(PlanePoints(plane.uv.bottomRows(places.rows() - layout.rim)));
   const auto [points, normals] = fill->patch->positions_and_normals(on_plane);
   if (!points.allFinite() || !normals.allFinite()) return {};
-  return OnMesh{points, normals, fill->report.deviation_max.value_or(0)};
+  return OnMesh{points, normals, fill->report.deviation_max.value_or(0), expected_error(*fill, diameter(context.mesh, hole.rim))};
 }
 
-std::optional<Points> cage_in_rows(const FillContext& context, const CageHole& laid_out, const std::vector<Index>& replaced) {
+std::variant<InRows, Code> cage_in_rows(const FillContext& context, const CageHole& laid_out,
+                                        const std::vector<Index>& replaced) {
   const std::vector<Index>& rim = laid_out.hole.rim;
   const Index known = context.mesh.vertices.rows();
   // no row continues at the middle of an edge that the cage splits, and the mesh has no such vertex
-  if (std::ranges::any_of(rim, [&](Index v) { return v >= known; })) return {};
+  if (std::ranges::any_of(rim, [&](Index v) { return v >= known; })) return Code::rows_do_not_continue;
   try {
     const bool is_block = quad_rows(context.left, rim).has_value();
     const std::optional<Fill> fill = is_block ? fill_with_rows(context, rim, Output::quads, false)
                                               : fill_with_rows_over(context, rim, laid_out.layout, Output::quads, false);
-    if (!fill || !is_harmless(fill->report)) return {};
+    if (!fill || !is_harmless(fill->report)) return Code::rows_do_not_continue;
     std::optional<Points> points = is_block ? as_laid_out(*fill, laid_out) : fill->vertices;
-    return points && surface_tells_more(context, *fill, replaced) ? std::nullopt : std::move(points);
+    if (!points) return Code::rows_do_not_continue;
+    const double size = diameter(context.mesh, fill->rim), error = expected_error(*fill, size);
+    if (surface_tells_more(context, *fill, error, size, replaced)) return Code::surface_tells_more;
+    return InRows{std::move(*points), error};
   } catch (const CodedRefusal&) {  // another way may be open
-    return {};
+    return Code::rows_do_not_continue;
   }
 }
 

@@ -1,10 +1,13 @@
 #include "tripatch/cage_fills/tried_cages.h"
 
+#include <cmath>
 #include <limits>
+#include <tuple>
+#include <variant>
 
 #include "tripatch/cage_fills/cage_inside.h"
 #include "tripatch/fill/polygon_fill.h"
-#include "tripatch/fill/rows_fill.h"
+#include "tripatch/fill/select.h"
 #include "tripatch/fill/triangle_fill.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/interruption.h"
@@ -47,13 +50,22 @@ bool has_own_shape(const FillOptions& options) {
          });
 }
 
-/// Puts the vertices of a cage where rows of quads continue, if they do; whether they do.
-bool place_in_rows(const FillContext& context, const SidedRim& hole, const FillOptions& options, CageFill& cage) {
+/// What came of placing a cage.
+struct Placing {
+  std::optional<Code> why_not = {};  ///< none: it was placed
+  bool is_possible = true;           ///< whether there is somewhere to put it
+  double error = 0;                  ///< of what it was placed on
+};
+
+/// Puts the vertices of a cage where rows of quads continue, if they do.
+Placing place_in_rows(const FillContext& context, const SidedRim& hole, const FillOptions& options, CageFill& cage) {
   if (hole.given || options.cage_rim != CageRim::smooth || options.subdivision.loop || options.resolution.value_or(0) > 0)
-    return false;
-  const std::optional<Points> points = cage_in_rows(context, cage.laid_out(0), options.replaced);
-  if (points) cage.place(*points);
-  return points.has_value();
+    return {Code::options_ask_otherwise};
+  const std::variant<InRows, Code> found = cage_in_rows(context, cage.laid_out(0), options.replaced);
+  if (const Code* const why = std::get_if<Code>(&found)) return {*why};
+  const auto& [points, error] = std::get<InRows>(found);
+  cage.place(points);
+  return {.error = error};
 }
 
 /// Tells of a cage that is farther from the patch that was asked for than the tolerance, rms.
@@ -83,29 +95,33 @@ void tell_run_off(const FillContext& context, const SidedRim& hole, const CageHo
   report.warnings.push_back({Code::cage_runs_off, {{"method", report.method}, {"distance", *off}}});
 }
 
-/// Whether a cage was put there, stays where it is, or there is nowhere to put it.
-enum class Placing { placed, stays, nowhere };
-
 /// Puts the vertices of a cage, if it is one of those, where the mesh around would continue.
 Placing place_on_mesh(const FillContext& context, const SidedRim& hole, const FillOptions& options, OnMeshWhere where,
                       CageFill& cage) {
-  if (where == OnMeshWhere::nowhere) return Placing::stays;
+  if (where == OnMeshWhere::nowhere) return {Code::other_tried_first};
   if (options.cage_rim != CageRim::smooth || options.subdivision.loop || options.resolution.value_or(0) > 0)
-    return Placing::nowhere;
+    return {Code::options_ask_otherwise, false};
   const Points inside = cage.inside(0);
-  if (inside.rows() == 0) return Placing::nowhere;
+  if (inside.rows() == 0) return {Code::no_vertices_inside, false};
   const Smoothed smoothed = where == OnMeshWhere::untangled  ? Smoothed::in_plane
                             : where == OnMeshWhere::likelier ? Smoothed::on_surface
                                                              : Smoothed::no;
   const std::optional<OnMesh> on_mesh = cage_on_mesh(context, hole, cage.laid_out(0), options, smoothed);
-  if (!on_mesh) return Placing::nowhere;
+  if (!on_mesh) return {Code::no_surface_continues, false};
   const double size = diameter(context.mesh, hole.rim);
-  if (where == OnMeshWhere::likelier && !(on_mesh->deviation > well_known * size)) return Placing::stays;
+  if (where == OnMeshWhere::likelier && !(on_mesh->deviation > well_known * size)) return {Code::fair_cage_stays};
   const bool goes_on = !hole.guessed || cage.laid_out(0).layout.grown;
   if (where == OnMeshWhere::run_off && !runs_off(inside, *on_mesh, size, goes_on ? run_off : run_off_of_guess))
-    return Placing::stays;
+    return {Code::fair_cage_stays};
   cage.place(on_mesh->points);
-  return Placing::placed;
+  return {.error = on_mesh->error};
+}
+
+/// Of two, with the other one among its candidates.
+TriedOnes chosen(TriedOnes tried, TriedOnes other, bool takes_other) {
+  if (takes_other) std::swap(tried, other);
+  tried->list(*other);
+  return tried;
 }
 
 constexpr Harm max_harm = {true, std::numeric_limits<Index>::max()};
@@ -158,8 +174,61 @@ Harm TriedCages::harm() {
   return {cages_.harm(0).crossing.has_value(), cages_.harm(0).triangles_folded};
 }
 
+Quality TriedCages::quality() {
+  const SidedRim& hole = holes_[0];
+  const double size = diameter(ground_.mesh, hole.rim);
+  if (!waits_) return quality_of(ground_.mesh, fills_[0], size, 0, options_);
+  const Fill made = faces();
+  Report energies;
+  cages_.report_energies(0, energies);
+  Quality out;
+  out.exceeds_hole_bounds = exceeds_hole_bounds(ground_.mesh, hole.rim, made.vertices);
+  out.expected_error = placed_    ? placed_error_.value_or(NAN)
+                       : follows_ ? std::min(error_of_patch(energies.energy_after, 0, size), size)
+                                  : NAN;
+  out.seam_deg = NAN;
+  return out;
+}
+
+std::vector<FillCandidate> TriedCages::listed(const Harm& used) {
+  if (was_seen_) return others_;
+  Quality own = quality();
+  std::tie(own.crosses, own.folds) = harm_and_folds();
+  Quality other;
+  std::tie(other.crosses, other.folds) = used;
+  other.exceeds_hole_bounds = own.exceeds_hole_bounds;
+  const bool is_equal = harm_and_folds() == used, is_grown = cages_.laid_out(0).layout.grown;
+  const Message why = {is_equal ? Code::does_as_much_harm : why_not(own, other)};
+  Message row = {way_, {{"reason", why}}};
+  if (is_grown) row.parameters.push_back({"grown", ""});
+  if (holes_[0].guessed && !is_grown) row.parameters.push_back({"guessed", ""});
+  if (options_.odd == Odd::triangle && holes_[0].rim.size() % 2 == 1) row.parameters.push_back({"triangle", ""});
+  if (rows() > 0) row.parameters.push_back({"rows", rows()});
+  std::vector<FillCandidate> out = {{method_between(holes_[0], options_), CandidateStatus::made, own, row}};
+  out.insert(out.end(), others_.begin(), others_.end());
+  return out;
+}
+
+void TriedCages::list(TriedCages& lost) {
+  const std::vector<FillCandidate> more = lost.listed(harm_and_folds());
+  others_.insert(others_.end(), more.begin(), more.end());
+  skipped_.merge(lost.skipped_);
+}
+
+std::vector<FillCandidate> TriedCages::others() const {
+  std::vector<FillCandidate> out = others_;
+  for (const auto& [way, why] : skipped_) {
+    const auto is_listed = [way = way](const FillCandidate& each) { return each.why->code == way; };
+    if (way != way_ && std::ranges::none_of(others_, is_listed))
+      out.push_back(
+          {method_between(holes_[0], options_), CandidateStatus::skipped, {}, Message{way, {{"reason", Message{why}}}}});
+  }
+  return out;
+}
+
 std::vector<Fill> TriedCages::fills() {
   if (waits_) complete();
+  for (Fill& fill : fills_) fill.report.candidates = others();
   Messages& said = fills_[0].report.warnings;
   said.insert(said.end(), warnings_.begin(), warnings_.end());
   return std::move(fills_);
@@ -167,14 +236,30 @@ std::vector<Fill> TriedCages::fills() {
 
 void TriedCages::put(OnMeshWhere on_mesh) {
   const bool alone = follows_ && holes_.size() == 1 && !named_, by_itself = alone && on_mesh == OnMeshWhere::run_off;
+  const auto takes = [&](Code way, const Placing& found) {
+    placed_ = !found.why_not;
+    if (placed_)
+      way_ = way, placed_error_ = found.error;
+    else
+      skipped_[way] = *found.why_not;
+    return placed_;
+  };
   const auto place = [&](OnMeshWhere where) {
     const Placing found = place_on_mesh(ground_, holes_[0], options_, where, cages_);
-    has_other_place_ = found != Placing::nowhere;
-    return placed_ = found == Placing::placed;
+    has_other_place_ = found.is_possible;
+    return takes(Code::cage_on_surface, found);
   };
+  if (follows_) way_ = Code::fairest_cage;
+  if (!alone && !named_)
+    for (const Code way : {Code::cage_in_rows, Code::cage_on_surface, Code::fairest_cage})
+      skipped_[way] = holes_.size() > 1 ? Code::cages_fitted_together : Code::options_ask_otherwise;
   const bool of_many = alone && cages_.inside(0).rows() > many && on_mesh != OnMeshWhere::nowhere,
              anyway = alone && (on_mesh == OnMeshWhere::everywhere || on_mesh == OnMeshWhere::untangled);
-  in_rows_ = placed_ = by_itself && place_in_rows(ground_, holes_[0], options_, cages_);
+  if (alone) {
+    skipped_[Code::cage_on_surface] = Code::other_tried_first;
+    skipped_[Code::fairest_cage] = of_many ? Code::large_cage_on_surface : Code::other_tried_first;
+  }
+  in_rows_ = by_itself && takes(Code::cage_in_rows, place_in_rows(ground_, holes_[0], options_, cages_));
   if (!placed_ && (of_many || anyway)) {
     of_many_ = place(on_mesh == OnMeshWhere::untangled ? on_mesh : OnMeshWhere::everywhere) && of_many;
     if (!placed_) return cages_.make_fair();
@@ -182,7 +267,7 @@ void TriedCages::put(OnMeshWhere on_mesh) {
   likelier_ = !placed_ && by_itself && cages_.laid_out(0).layout.grown && place(OnMeshWhere::likelier);
   if (placed_) return;
   cages_.make_fair();
-  if (alone) place(on_mesh);
+  if (alone && place(on_mesh)) skipped_[Code::fairest_cage] = Code::leaves_surface;
 }
 
 void TriedCages::make_patches() {
@@ -220,6 +305,7 @@ void TriedCages::complete() {
     cages_.complete(h, fills_[h]);
     Report& report = fills_[h].report;
     if (follows_) cages_.report_energies(h, report);
+    if (placed_) fills_[h].known_error = placed_error_;
     if (kept[h]) report.folds = 0;  // of a patch that the cage is not fitted to
     complete_report(holes_[h], options_, report);
     if (named_) {
@@ -264,9 +350,9 @@ TriedOnes with_triangle_if_that_folds_less(const FillContext& context, TriedOnes
   FillOptions triangle = tried->options();
   triangle.odd = Odd::triangle;
   TriedOnes other = try_cages(context, holes, triangle, seen);
-  if (other->harm_and_folds() >= before) return tried;
-  other->warn({before.first ? Code::split_edge_would_cross : Code::split_edge_would_fold});
-  return other;
+  const bool is_better = other->harm_and_folds() < before;
+  if (is_better) other->warn({before.first ? Code::split_edge_would_cross : Code::split_edge_would_fold});
+  return chosen(std::move(tried), std::move(other), is_better);
 }
 
 /// Rows that a tolerance has asked for may turn quads over where there is no room for them.
@@ -274,9 +360,9 @@ TriedOnes without_rows_if_that_folds_less(const FillContext& context, TriedOnes 
   if (options.resolution || tried->rows() == 0 || tried->is_harmless()) return tried;
   options.resolution = 0;
   TriedOnes other = try_cages(context, tried->holes(), options, seen);
-  if (other->harm() >= tried->harm()) return tried;
-  other->warn({Code::rows_would_cross});
-  return other;
+  const bool is_better = other->harm() < tried->harm();
+  if (is_better) other->warn({Code::rows_would_cross});
+  return chosen(std::move(tried), std::move(other), is_better);
 }
 
 }  // namespace
@@ -293,7 +379,8 @@ TriedOnes try_cages(const FillContext& context, const std::vector<SidedRim>& hol
   const bool too_many = of_many && tried->faces().vertices.rows() > max_fair;
   const OnMeshWhere elsewhere = too_many ? OnMeshWhere::untangled : placed ? OnMeshWhere::nowhere : OnMeshWhere::everywhere;
   TriedOnes other = try_cages(context, holes, options, seen, elsewhere);
-  return other->harm() < tried->harm() ? std::move(other) : std::move(tried);
+  const bool is_better = other->harm() < tried->harm();
+  return chosen(std::move(tried), std::move(other), is_better);
 }
 
 }  // namespace tripatch

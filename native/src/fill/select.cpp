@@ -24,22 +24,14 @@ constexpr double error_of_triangles = 0.1;
 constexpr double negligible = 1e-5;
 
 double stated_error(const Fill& fill, double size) {
+  if (fill.known_error) return *fill.known_error;
   if (fill.deviation.size() > 0 || fill.report.method == rows_method) return root_mean_square(fill.deviation);
   if (!fill.patch) return error_of_triangles * size;
   if (fill.vertices.rows() == 0) return 0;
-  const double by_energy = size * error_by_energy * std::sqrt(fill.report.energy_after);
-  return std::hypot(by_energy, least_error(fill.report.surroundings_error, size));
+  return error_of_patch(fill.report.energy_after, fill.report.surroundings_error, size);
 }
 
 auto compared(const Quality& q) { return std::tuple(q.crosses, q.folds, q.exceeds_hole_bounds); }
-
-/// Why a candidate is not used.
-Code why_not(const Quality& quality, const Quality& used) {
-  if (quality.crosses > used.crosses) return Code::candidate_crosses;
-  if (quality.folds > used.folds) return Code::candidate_folds;
-  if (quality.exceeds_hole_bounds > used.exceeds_hole_bounds) return Code::candidate_leaves_hole;
-  return Code::less_accurate;
-}
 
 }  // namespace
 
@@ -50,6 +42,10 @@ double root_mean_square(const Eigen::VectorXd& values) {
 double expected_error(const Fill& fill, double size) {
   const double error = stated_error(fill, size);
   return error < size ? error : size;  // a number, too
+}
+
+double error_of_patch(double energy, double degrees, double size) {
+  return std::hypot(size * error_by_energy * std::sqrt(energy), least_error(degrees, size));
 }
 
 double least_error(double degrees, double size) { return error_by_planes * degrees * std::numbers::pi / 180 * size; }
@@ -76,6 +72,14 @@ void list_used(const Mesh& mesh, const FillOptions& options, Fill& fill) {
   if (!report.method_reason) report.method_reason = Message{Code::requested};
   rows[0] = {report.method, CandidateStatus::used, quality_of(mesh, fill, diameter(mesh, fill.rim), report.rim_folded, options),
              report.method_reason};
+  std::ranges::stable_sort(rows, {}, &FillCandidate::status);
+}
+
+Code why_not(const Quality& quality, const Quality& used) {
+  if (quality.crosses > used.crosses) return Code::candidate_crosses;
+  if (quality.folds > used.folds) return Code::candidate_folds;
+  if (quality.exceeds_hole_bounds > used.exceeds_hole_bounds) return Code::candidate_leaves_hole;
+  return Code::less_accurate;
 }
 
 bool is_valid(const Quality& quality) { return compared(quality) == compared({}); }
@@ -140,7 +144,7 @@ Fill selected(TriedFills tried) {
   Fill fill = std::move(*tried[used].fill);
   rows[used].status = CandidateStatus::used;
   rows[used].why = fill.report.method_reason;
-  std::ranges::stable_sort(rows, {}, [](const FillCandidate& row) { return row.status; });
+  std::ranges::stable_sort(rows, {}, &FillCandidate::status);
   fill.report.candidates = std::move(rows);
   return fill;
 }

@@ -19,9 +19,14 @@
 
 namespace tripatch {
 
+const char* method_between(const SidedRim& hole, const FillOptions& options) {
+  if (!hole.is_triangle()) return polygon_method;
+  return find_method(options.method == automatic_method ? patch_method : options.method).name;
+}
+
 void complete_report(const SidedRim& hole, const FillOptions& options, Report& report) {
   const bool automatic = options.method == automatic_method, three = hole.is_triangle();
-  report.method = three ? find_method(automatic ? patch_method : options.method).name : polygon_method;
+  report.method = method_between(hole, options);
   if (automatic) report.method_reason = Message{three ? Code::has_smooth_sides : Code::has_sides, {{"count", hole.sides()}}};
   take_corners(hole.rim, hole.corners, report);
   tell_corners(report);

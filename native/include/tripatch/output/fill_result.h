@@ -26,6 +26,8 @@ struct Fill {
   PlanePoints rim_uv = PlanePoints(0, 2);
   /// Posterior standard deviation at each of `vertices`, scene units; empty: the method does not know it.
   Eigen::VectorXd deviation;
+  /// Of a cage whose vertices lie on another fill: the expected error of that one, scene units.
+  std::optional<double> known_error;
   /// Limit surroundings: a cage's vertices do not lie on its surface, so the fill is a mesh of its own (faces use n .. only);
   /// indices into `vertices` of its border, which takes the points that the modifier makes.
   std::vector<Index> border;

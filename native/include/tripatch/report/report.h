@@ -24,8 +24,8 @@ struct Quality {
   bool crosses = false;              ///< itself
   Index folds = 0;                   ///< folded edges beyond those that the boundary forces
   bool exceeds_hole_bounds = false;  ///< farther from the boundary than its diameter
-  double expected_error = 0;         ///< how far off the new vertices are expected to be, scene units
-  double seam_deg = 0;               ///< largest seam angle: reported, not compared
+  double expected_error = 0;         ///< how far off the new vertices are expected to be, scene units; NaN: not known
+  double seam_deg = 0;               ///< largest seam angle: reported, not compared; NaN: not measured
 };
 
 enum class CandidateStatus { used, made, skipped, refused };

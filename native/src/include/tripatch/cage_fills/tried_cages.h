@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -76,6 +77,11 @@ public:
   }
   int rows() const { return waits_ || was_seen_ ? 0 : fills_[0].report.rows; }
 
+  /// Of the first hole: itself and those that it lists, as candidates that are not used. used: the harm of the one that is.
+  std::vector<FillCandidate> listed(const Harm& used);
+  /// Lists what another one lists, which is not used.
+  void list(TriedCages& lost);
+
   /// To be said of the first fill.
   void warn(Message warning) { warnings_.push_back(std::move(warning)); }
 
@@ -85,12 +91,15 @@ public:
     cages_.deliver(0, fill);
     return fill;
   }
+  /// Their reports list the candidates that are not used.
   std::vector<Fill> fills();
 
 private:
   /// Where the mesh around would continue, if they are to be there, else as the fairest ones.
   void put(OnMeshWhere on_mesh);
   void make_patches();
+  Quality quality();
+  std::vector<FillCandidate> others() const;
   void complete();
 
   const FillContext& ground_;
@@ -101,6 +110,10 @@ private:
   std::vector<Fill> fills_;
   Messages warnings_;
   std::optional<Index> folded_;
+  Code way_ = Code::fitted_cage;        ///< in which it is placed: the code of its row
+  std::map<Code, Code> skipped_;        ///< other ways, and why they are not tried
+  std::vector<FillCandidate> others_;   ///< that are not used
+  std::optional<double> placed_error_;  ///< of what its vertices were placed on, scene units
   bool exact_ = false, fair_ = false, follows_ = false;
   bool in_rows_ = false, of_many_ = false, likelier_ = false, placed_ = false, has_other_place_ = false;
   bool waits_ = false;     ///< for its patch

@@ -15,6 +15,8 @@ namespace tripatch {
 double root_mean_square(const Eigen::VectorXd& values);
 /// How far the new vertices of a fill are expected to be off, scene units. size: the diameter of the hole.
 double expected_error(const Fill& fill, double size);
+/// That of a patch by its energy, and by the error of its sides' tangent planes in degrees.
+double error_of_patch(double energy, double degrees, double size);
 /// That of a patch at least, by the error of its sides' tangent planes in degrees.
 double least_error(double degrees, double size);
 /// Whether nobody sees so small an error.
@@ -25,6 +27,8 @@ Quality quality_of(const Mesh& mesh, const Fill& fill, double size, Index forced
 /// Puts the fill as it is delivered first in the candidates of its report. A method of which no reason is given was requested.
 void list_used(const Mesh& mesh, const FillOptions& options, Fill& fill);
 
+/// Why a fill is not used, but another one.
+Code why_not(const Quality& quality, const Quality& used);
 /// Whether a fill neither crosses itself nor folds nor leaves the hole.
 bool is_valid(const Quality& quality);
 /// Whether a is clearly the better one.

@@ -23,6 +23,8 @@ Fill fill_with_patch(const FillContext& context, const TriangleInput& input, con
 /// Angles by side of a hole with three corners, as of sharp_sides.
 std::vector<double> sharp_sides_of(const FillContext& context, const Hole& hole);
 
+/// The name of what makes a fill between corners.
+const char* method_between(const SidedRim& hole, const FillOptions& options);
 /// What is said of every fill between corners, whatever it is made of.
 void complete_report(const SidedRim& hole, const FillOptions& options, Report& report);
 
