@@ -98,7 +98,7 @@ def run(command: list[str | Path]) -> str:
     return done.stdout
 
 
-def macos_link(platform: Platform, folder: Path) -> Path:
+def macos_link(platform: Platform, folder: Path) -> str:
     """CMake's rule to link a module for macOS.
 
     It calls LLVM's linker with the libraries that zig would link. zig's own linker exports operator new and binds parts of the
@@ -119,12 +119,22 @@ def macos_link(platform: Platform, folder: Path) -> Path:
     system_version = ["-platform_version", "macos", oldest, oldest]
     command = [linkers[-1], "-arch", platform.processor, *system_version, "-bundle", "-dead_strip", "-S"]
     inputs = ["<LINK_FLAGS>", "-o", "<TARGET>", "<OBJECTS>", "<LINK_LIBRARIES>", *libraries, folder / "libSystem.tbd"]
-    rule = folder / "rules.cmake"
-    rule.write_text(
+    return (
         f'set(CMAKE_CXX_CREATE_SHARED_MODULE "{" ".join(map(str, command + inputs))}")\nunset(CMAKE_CXX_LINKER_WRAPPER_FLAG)\n'
         'set(CMAKE_SHARED_MODULE_CREATE_CXX_FLAGS "-bundle")  # no words for a compiler; CMake 4 has them among LINK_FLAGS\n'
     )
-    return rule
+
+
+# CMake asks what compiler this is by linking a program, for which zig compiles a C++ library that no module takes. And zig takes
+# a precompiled header for an object that is to be linked, unless it is asked for no object.
+COMPILER_CASES = """\
+case "$*" in
+  *CompilerId.c*) set -- -c "$@";;
+  *c++-header*) for word do shift; [ "$word" = -c ] || set -- "$@" "$word"; done;;
+esac
+"""
+# clang is asked for a precompiled header by words that zig says itself
+PRECOMPILED = "set(CMAKE_CXX_COMPILE_OPTIONS_CREATE_PCH -Xclang -include -Xclang <PCH_HEADER> -x c++-header)\n"
 
 
 def toolchain(platform: Platform) -> Path:
@@ -138,8 +148,7 @@ def toolchain(platform: Platform) -> Path:
     for name, command in tools.items():
         tool = folder / name
         more = " $TRIPATCH_CROSS_FLAGS" if command.startswith("c") else ""  # -O1, for a trial
-        # CMake asks what compiler this is by linking a program, for which zig compiles a C++ library that no module takes
-        content = f'#!/bin/sh\ncase "$*" in *CompilerId.c*) set -- -c "$@";; esac\n{caches} exec {ZIG} {command} "$@"{more}\n'
+        content = f'#!/bin/sh\n{COMPILER_CASES}{caches} exec {ZIG} {command} "$@"{more}\n'
         if not tool.exists() or tool.read_text() != content:
             tool.write_text(content)
             tool.chmod(0o755)
@@ -158,7 +167,9 @@ def toolchain(platform: Platform) -> Path:
         lines["CMAKE_CXX_STANDARD_LIBRARIES"] = '"" CACHE STRING "" FORCE'
     if platform.system == "Darwin":
         lines |= {"CMAKE_INSTALL_NAME_TOOL": "/bin/true", "CMAKE_OSX_SYSROOT": '""', "CMAKE_MODULE_LINKER_FLAGS_INIT": '""'}
-        lines["CMAKE_USER_MAKE_RULES_OVERRIDE"] = macos_link(platform, folder)
+    rules = folder / "rules.cmake"
+    rules.write_text(PRECOMPILED + (macos_link(platform, folder) if platform.system == "Darwin" else ""))
+    lines["CMAKE_USER_MAKE_RULES_OVERRIDE"] = rules
     file = folder / "toolchain.cmake"
     file.write_text("".join(f"set({name} {value})\n" for name, value in lines.items()))
     return file
@@ -171,7 +182,6 @@ def configure(platform: Platform, opensubdiv: Path, python: str, more: Mapping[s
     options = {
         "CMAKE_BUILD_TYPE": "Release",
         "CMAKE_TOOLCHAIN_FILE": toolchain(platform),
-        "CMAKE_DISABLE_PRECOMPILE_HEADERS": "ON",
         "CMAKE_INTERPROCEDURAL_OPTIMIZATION": "OFF",  # else pybind11 tries it, and zig compiles a C++ library for the trial
         "TRIPATCH_CCACHE": "OFF",  # zig has a cache of its own
         "TRIPATCH_PYTHON": "ON",
