@@ -2,6 +2,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.h"
+#include "bindings.h"
 #include "tripatch/constructions/szilvasi_nagy.h"
 
 using namespace tripatch;

@@ -10,6 +10,7 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/messages.h"
+#include "tripatch/polygon/domain.h"
 
 namespace tripatch {
 namespace {
@@ -85,7 +86,7 @@ private:
     return sided ? polygon(sharp) : none(otherwise);
   }
 
-  /// Which crease of the surroundings continues across the hole; none: no one.
+  /// Which crease of the surroundings continues across the hole; none: none does.
   std::optional<Code> crease_across() {
     if (!out_.options.features) return {};
     const Features near = find_features(ground_.mesh, ground_.left, loop_);
