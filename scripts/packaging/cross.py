@@ -125,15 +125,15 @@ def macos_link(platform: Platform, folder: Path) -> str:
     )
 
 
-# CMake asks what compiler this is by linking a program, for which zig compiles a C++ library that no module takes. And zig takes
-# a precompiled header for an object that is to be linked, unless it is asked for no object.
+# CMake finds out what compiler this is by linking a program, for which zig would compile a C++ library that no module needs: it is
+# only compiled. And with -c zig tries to link a precompiled header: there -c is left out.
 COMPILER_CASES = """\
 case "$*" in
   *CompilerId.c*) set -- -c "$@";;
   *c++-header*) for word do shift; [ "$word" = -c ] || set -- "$@" "$word"; done;;
 esac
 """
-# clang is asked for a precompiled header by words that zig says itself
+# without -emit-pch, which zig adds itself and clang takes only once
 PRECOMPILED = "set(CMAKE_CXX_COMPILE_OPTIONS_CREATE_PCH -Xclang -include -Xclang <PCH_HEADER> -x c++-header)\n"
 
 

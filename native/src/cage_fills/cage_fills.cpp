@@ -141,8 +141,7 @@ std::vector<Fill> with_these_rows(const FillContext& context, const std::vector<
 /// A row of a cage with other extra rows, and those that it lists.
 CageRows listed(const FillContext& context, int rows, const Fill& fill, const Harm& used, const FillOptions& options) {
   const Quality own = quality_of(context.mesh, fill, diameter(context.mesh, fill.rim), 0, options);
-  const Quality other = {used.first, used.second, own.exceeds_hole_bounds};
-  const Message why = {harm(fill.report) == used ? Code::does_as_much_harm : why_not(own, other)};
+  const Message why = {why_not(harm(fill.report), used)};
   CageRows out = {
       {fill.report.method, CandidateStatus::made, own, Message{Code::cage_with_rows, {{"rows", rows}, {"reason", why}}}}};
   for (const FillCandidate& each : fill.report.candidates)

@@ -117,7 +117,7 @@ Placing place_on_mesh(const FillContext& context, const SidedRim& hole, const Fi
   return {.error = on_mesh->error};
 }
 
-/// Of two, with the other one among its candidates.
+/// One of two, with the other among its candidates.
 TriedOnes chosen(TriedOnes tried, TriedOnes other, bool takes_other) {
   if (takes_other) std::swap(tried, other);
   tried->list(*other);
@@ -164,6 +164,11 @@ TriedCages::TriedCages(const FillContext& context, std::vector<SidedRim> holes, 
     complete();
 }
 
+Code why_not(const Harm& lost, const Harm& used) {
+  if (lost.first > used.first) return Code::candidate_crosses;
+  return lost.second > used.second ? Code::candidate_folds : Code::does_as_much_harm;
+}
+
 Harm TriedCages::harm() {
   if (was_seen_) return max_harm;
   if (!waits_) return tripatch::harm(fills_[0].report);
@@ -194,12 +199,8 @@ std::vector<FillCandidate> TriedCages::listed(const Harm& used) {
   if (was_seen_) return others_;
   Quality own = quality();
   std::tie(own.crosses, own.folds) = harm_and_folds();
-  Quality other;
-  std::tie(other.crosses, other.folds) = used;
-  other.exceeds_hole_bounds = own.exceeds_hole_bounds;
-  const bool is_equal = harm_and_folds() == used, is_grown = cages_.laid_out(0).layout.grown;
-  const Message why = {is_equal ? Code::does_as_much_harm : why_not(own, other)};
-  Message row = {way_, {{"reason", why}}};
+  const bool is_grown = cages_.laid_out(0).layout.grown;
+  Message row = {way_, {{"reason", Message{why_not(harm_and_folds(), used)}}}};
   if (is_grown) row.parameters.push_back({"grown", ""});
   if (holes_[0].guessed && !is_grown) row.parameters.push_back({"guessed", ""});
   if (options_.odd == Odd::triangle && holes_[0].rim.size() % 2 == 1) row.parameters.push_back({"triangle", ""});

@@ -33,6 +33,14 @@ double stated_error(const Fill& fill, double size) {
 
 auto compared(const Quality& q) { return std::tuple(q.crosses, q.folds, q.exceeds_hole_bounds); }
 
+/// Why a candidate is not used.
+Code why_not(const Quality& quality, const Quality& used) {
+  if (quality.crosses > used.crosses) return Code::candidate_crosses;
+  if (quality.folds > used.folds) return Code::candidate_folds;
+  if (quality.exceeds_hole_bounds > used.exceeds_hole_bounds) return Code::candidate_leaves_hole;
+  return Code::less_accurate;
+}
+
 }  // namespace
 
 double root_mean_square(const Eigen::VectorXd& values) {
@@ -73,13 +81,6 @@ void list_used(const Mesh& mesh, const FillOptions& options, Fill& fill) {
   rows[0] = {report.method, CandidateStatus::used, quality_of(mesh, fill, diameter(mesh, fill.rim), report.rim_folded, options),
              report.method_reason};
   std::ranges::stable_sort(rows, {}, &FillCandidate::status);
-}
-
-Code why_not(const Quality& quality, const Quality& used) {
-  if (quality.crosses > used.crosses) return Code::candidate_crosses;
-  if (quality.folds > used.folds) return Code::candidate_folds;
-  if (quality.exceeds_hole_bounds > used.exceeds_hole_bounds) return Code::candidate_leaves_hole;
-  return Code::less_accurate;
 }
 
 bool is_valid(const Quality& quality) { return compared(quality) == compared({}); }

@@ -191,7 +191,7 @@ std::vector<std::vector<Index>> faces_by_fill(std::span<const Index> fill_of_fac
   return faces;
 }
 
-/// All faces of a mesh. Those one after another mostly hang together, and what they meet is searched for at once.
+/// Looks at all faces of a mesh. Consecutive faces are mostly neighbors, so one search finds what several of them meet.
 ///
 /// box: around all triangles of the fills.
 void look_at_mesh(const Mesh& mesh, const BoxTree::Box& box, Passages& passages) {
@@ -204,7 +204,7 @@ void look_at_mesh(const Mesh& mesh, const BoxTree::Box& box, Passages& passages)
     if (first % 4096 == 0) check_interruption();
     faces.clear();
     BoxTree::Box around;
-    double way = 0;  // along all of them
+    double sizes = 0;  // of all of them
     for (Index f = first; f < std::min(first + together, mesh.faces.size()); ++f) {
       unsigned char all = 63;
       for (Index v : mesh.faces[f]) all &= beyond[v];
@@ -213,12 +213,12 @@ void look_at_mesh(const Mesh& mesh, const BoxTree::Box& box, Passages& passages)
       BoxTree::Box own;
       for (Index v : mesh.faces[f]) own.extend(Vec3(mesh.vertices.row(v)));
       around.extend(own);
-      way += own.sizes().sum();
+      sizes += own.sizes().sum();
     }
-    const bool hang_together = around.sizes().sum() <= way;
-    if (hang_together) passages.find_near(around, near);
-    if (hang_together && near.empty()) continue;
-    const bool few = hang_together && near.size() <= faces.size();
+    const bool are_close = around.sizes().sum() <= sizes;
+    if (are_close) passages.find_near(around, near);
+    if (are_close && near.empty()) continue;
+    const bool few = are_close && near.size() <= faces.size();
     for (const Index f : faces) {
       corners_of(mesh.vertices, Points(0, 3), mesh.faces[f], corners);
       if (few)

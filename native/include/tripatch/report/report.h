@@ -75,7 +75,7 @@ struct Report {
   std::vector<std::pair<std::array<double, 3>, double>> shape_path;
   std::string method;                     ///< name of the method used
   Reason method_reason;                   ///< and why it was
-  std::vector<FillCandidate> candidates;  ///< the one that is used, then, of method auto, the others
+  std::vector<FillCandidate> candidates;  ///< the one that is used, then, of method auto and of cages, the others
   std::optional<double> deviation_max;    ///< largest of Fill::deviation, scene units; none: unknown
   /// Edges of the new faces that are folded, those of the rim over the faces beyond it too; of a cage those of its limit surface.
   Index triangles_folded = 0;

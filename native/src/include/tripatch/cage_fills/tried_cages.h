@@ -48,6 +48,8 @@ private:
 
 /// That a cage crosses itself, then its folds: as of a report.
 using Harm = std::pair<bool, Index>;
+/// Why a cage is not used, but another one that does no more harm.
+Code why_not(const Harm& lost, const Harm& used);
 
 /// Cages in some holes, in one of several ways. Where a cage is alone and hangs on no patch, its patch, which takes longer than the cage, is
 /// made when the fill is asked for: most of those that are tried are not taken.
@@ -77,9 +79,9 @@ public:
   }
   int rows() const { return waits_ || was_seen_ ? 0 : fills_[0].report.rows; }
 
-  /// Of the first hole: itself and those that it lists, as candidates that are not used. used: the harm of the one that is.
+  /// The cage of the first hole, and the candidates that it lists, as candidates that are not used. used: the harm of the cage that is.
   std::vector<FillCandidate> listed(const Harm& used);
-  /// Lists what another one lists, which is not used.
+  /// Adds a cage that is not used, and what it lists, to the candidates.
   void list(TriedCages& lost);
 
   /// To be said of the first fill.
@@ -110,9 +112,9 @@ private:
   std::vector<Fill> fills_;
   Messages warnings_;
   std::optional<Index> folded_;
-  Code way_ = Code::fitted_cage;        ///< in which it is placed: the code of its row
-  std::map<Code, Code> skipped_;        ///< other ways, and why they are not tried
-  std::vector<FillCandidate> others_;   ///< that are not used
+  Code way_ = Code::fitted_cage;        ///< how it is placed: the code of its row
+  std::map<Code, Code> skipped_;        ///< other ways, and why they are not used
+  std::vector<FillCandidate> others_;   ///< cages that were made and are not used
   std::optional<double> placed_error_;  ///< of what its vertices were placed on, scene units
   bool exact_ = false, fair_ = false, follows_ = false;
   bool in_rows_ = false, of_many_ = false, likelier_ = false, placed_ = false, has_other_place_ = false;

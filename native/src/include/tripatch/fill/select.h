@@ -27,8 +27,6 @@ Quality quality_of(const Mesh& mesh, const Fill& fill, double size, Index forced
 /// Puts the fill as it is delivered first in the candidates of its report. A method of which no reason is given was requested.
 void list_used(const Mesh& mesh, const FillOptions& options, Fill& fill);
 
-/// Why a fill is not used, but another one.
-Code why_not(const Quality& quality, const Quality& used);
 /// Whether a fill neither crosses itself nor folds nor leaves the hole.
 bool is_valid(const Quality& quality);
 /// Whether a is clearly the better one.
