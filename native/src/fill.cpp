@@ -24,7 +24,7 @@
 #include "tripatch/isometry/isometric_fill.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/edge_key.h"
 #include "tripatch/output/leaned.h"
 #include "tripatch/output/shaped.h"
@@ -35,7 +35,7 @@ namespace tripatch {
 namespace {
 
 /// Extra rows of quads that may be asked for: a bound against slips of the hand, far beyond what any fill has room for.
-constexpr int max_rows = 100;
+constexpr int max_rows = count::hundred;
 
 void check_options(const FillOptions& options) {
   check(options);

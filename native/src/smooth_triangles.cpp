@@ -211,7 +211,7 @@ std::vector<Side> sides_over(const Lattice& lattice, const std::vector<std::arra
     if (edges[found->second][0] != edge[0]) side = {own.c.reversed(), -1.0 * own.r.reversed(), {}};
     const Vec3 from = Vec3(out.vertices.row(edge[0])) - side.c(0), to = Vec3(out.vertices.row(edge[1])) - side.c(1);
     const double gap = std::max(from.norm(), to.norm()), length = (out.vertices.row(edge[0]) - out.vertices.row(edge[1])).norm();
-    if (!(gap <= sides_meet * length)) throw CodedRefusal(Code::curve_off_vertices, {{"gap", gap}}, {edge[0], edge[1]});
+    if (!(gap <= tolerance::same * length)) throw CodedRefusal(Code::curve_off_vertices, {{"gap", gap}}, {edge[0], edge[1]});
     side = moved_ends(std::move(side), from, to);
   }
   return sides;

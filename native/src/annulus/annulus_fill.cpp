@@ -7,7 +7,7 @@
 #include "tripatch/annulus/annulus_layout.h"
 #include "tripatch/annulus/closed_side.h"
 #include "tripatch/math/canonical_start.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/output/doubled_edges.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/plane_patch.h"
@@ -16,7 +16,7 @@ namespace tripatch {
 namespace {
 
 /// Degrees that ribs turn in one ring of faces at most, or a fillet would be a chamfer.
-constexpr double turn_of_ring = 45;
+constexpr double turn_of_ring = angle::corner;
 /// Rings of faces, at most: a bound against boundaries far apart whose edges are short.
 constexpr int max_rings_of_faces = 400;
 

@@ -4,14 +4,14 @@
 #include <array>
 #include <cmath>
 
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
 
 /// How much an even ring counts against straight rows where rows end, and sweeps after which nothing moves by more than a hundredth of an edge: choices.
-constexpr double even_ring_counts = 0.5;
-constexpr int relaxing_sweeps = 200;
+constexpr double even_ring_counts = share::half;
+constexpr int relaxing_sweeps = count::hundreds;
 
 /// The nearest of t + whole turns to another parameter.
 double near_to(double t, double other) { return t - std::round(t - other); }

@@ -9,7 +9,7 @@
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/places.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 #include "tripatch/patch/seam.h"
 #include "tripatch/polygon/round.h"
@@ -18,10 +18,8 @@ namespace tripatch {
 namespace {
 
 constexpr int rib_numbers = 18;  ///< six vectors
-/// Chords at 120 degrees to both ends, beyond which ribs would grow without bound.
-constexpr double min_chord_cosine = -0.5;
 /// Sines of angles between chords and ends that count as none, where their ratio is taken.
-constexpr double no_bend = 0.1;
+constexpr double no_bend = share::tenth;
 
 /// Half the quintic whose middle lies on the circular arc between its ends: |P'| at the ends over the chord, by the cosine of the angle
 /// between end and chord. 1 on straight ribs.
@@ -56,7 +54,8 @@ void RibMaker::at(double u, double* out) const {
   const double length = chord.norm();
   const Vec3 from = is_tangent(options.continuity[0]) ? Vec3(-out_of_first(u)) : e,
              to = is_tangent(options.continuity[1]) ? out_of_second(t) : e;
-  const double cosine = std::max((from.dot(e) + to.dot(e)) / 2, min_chord_cosine);
+  // With chords at more than 120 degrees to both ends ribs would grow without bound.
+  const double cosine = std::max((from.dot(e) + to.dot(e)) / 2, -share::half);
   const double bend0 = std::hypot(e.cross(from).norm(), no_bend), bend1 = std::hypot(e.cross(to).norm(), no_bend);
   const double over = length_over_chord(cosine), share = 2 / (bend0 + bend1);
   const Vec3 slope0 = options.bulge[0] * length * over * share * bend1 * from,
@@ -162,7 +161,8 @@ PlanePoints OverAnnulus::on_side(int side, const std::vector<double>& t) const {
 
 AnnulusPatch annulus_patch(const Side& first, const Side& second, const AnnulusOptions& options) {
   for (const Side* side : {&first, &second})
-    if (!((side->c(1) - side->c(0)).norm() <= sides_meet * arc_length(side->c))) throw CodedRefusal(Code::ring_boundary_open);
+    if (!((side->c(1) - side->c(0)).norm() <= tolerance::same * arc_length(side->c)))
+      throw CodedRefusal(Code::ring_boundary_open);
   for (int i = 0; i < 2; ++i)
     if (options.continuity[i] == SideContinuity::g2 && (i == 0 ? first : second).q.empty())
       throw CodedRefusal(Code::curvature_unknown, {{"side", i}});

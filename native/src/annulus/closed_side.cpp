@@ -11,7 +11,7 @@
 #include "tripatch/estimate/vertex_fit.h"
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/report/folded_triangles.h"
@@ -22,12 +22,12 @@ namespace {
 /// Vertices beyond the first that a spline round a rim continues to: what its ends do has died away to rounding then.
 constexpr Index wrapped = 28;
 /// Three corners are put in so many ways that every vertex is far from them in one, and in the same way each.
-constexpr Index max_placements = 24;
+constexpr Index max_placements = count::dozens;
 
 /// Waves round the rim that are taken for what they are, the rest is a spline: a share of the number of vertices, and so many at most.
 /// A spline alone is no circle through twelve vertices, by 4e-4 of the diameter.
-constexpr Index vertices_a_wave = 4;
-constexpr Index max_fitted_waves = 8;
+constexpr Index vertices_a_wave = count::several;
+constexpr Index max_fitted_waves = count::octet;
 
 /// A field round the rim through values at its vertices; t: of these.
 PiecewisePolynomial closed_spline(const std::vector<double>& t, std::vector<Vec3> values) {
@@ -110,7 +110,7 @@ AcrossRim seen_in_sides(const Mesh& mesh, const Connectivity& around, const std:
 
 /// A meridian is taken unless it says that its curvature is less well known than the sides do by more than this: these are this many times
 /// as far off as they say at a tenth of 653 rims of 12 to 64 edges.
-constexpr double sides_say_too_little = 3;
+constexpr double sides_say_too_little = factor::strong;
 
 /// What a vertex of a round rim is compared with others by: distances from the middle and, with this weight, how far the face next to it
 /// leans, of the vertices from it on, each counting less. Equal ones lie alike, unless only what bends farther off differs.
@@ -120,7 +120,7 @@ constexpr double lean_counts = 0.37;
 /// pipes of 24 edges single planes are off by 2.5 degrees, the others by 0.1.
 constexpr double planes_off = 6;
 /// So few waves that two planes next to each other that are off do not bend them; and rounds after which nothing changes by a tenth: choices.
-constexpr Index vertices_a_plane_wave = 6;
+constexpr Index vertices_a_plane_wave = count::half_dozen;
 constexpr int robust_rounds = 10;
 
 }  // namespace
@@ -145,7 +145,7 @@ void mend_planes(ClosedSide& closed) {
     std::ranges::nth_element(sorted, sorted.begin() + n / 2);
     median = sorted[static_cast<std::size_t>(n / 2)];
     if (!(median > tolerance::same)) return;
-    weight = off.cwiseMax(0.1 * median).cwiseSqrt().cwiseInverse();
+    weight = off.cwiseMax(share::tenth * median).cwiseSqrt().cwiseInverse();
   }
   if (!(off.maxCoeff() > planes_off * median)) return;
   std::vector<Vec3> across;

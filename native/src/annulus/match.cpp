@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -12,7 +12,7 @@ namespace {
 
 constexpr int match_samples = 96;  ///< ribs that are compared: a choice
 /// The second parameter runs at least so fast against the first.
-constexpr double min_speed = 0.05;
+constexpr double min_speed = share::little;
 
 struct RibEnd {
   Vec3 point, way;
@@ -98,7 +98,7 @@ private:
 
 /// A scalar of u, periodic, through values at even places.
 PiecewisePolynomial through_even(const Eigen::VectorXd& values) {
-  constexpr int beyond = 24;  // what the spline does at its ends has died away to rounding then
+  constexpr int beyond = count::dozens;  // what the spline does at its ends has died away to rounding then
   std::vector<double> at, given;
   for (int k = -beyond; k <= match_samples + beyond; ++k) {
     at.push_back(static_cast<double>(k + beyond) / (match_samples + 2 * beyond));

@@ -4,11 +4,12 @@
 #include <array>
 
 #include "tripatch/fairing/curvature.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
 
-constexpr int motion_samples = 64;  ///< places along a side: a choice
+constexpr int motion_samples = count::many_places;  ///< places along a side: a choice
 /// How much a motion out of the planes counts against one that leans along the side: leaning is what it is there to tell.
 constexpr double out_of_plane_counts = 30;
 /// A motion tells nothing where its direction leans from a right angle to the side by more than this cosine says, 70 degrees.

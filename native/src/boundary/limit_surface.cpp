@@ -9,6 +9,7 @@
 #include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 #include <opensubdiv/far/topologyRefinerFactory.h>
+#include <opensubdiv/sdc/crease.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -34,10 +35,8 @@ struct Vertex {
 };
 // NOLINTEND(readability-identifier-naming)
 
-constexpr double infinitely_sharp = 10;  ///< in OpenSubdiv's units: Sdc::Crease::SHARPNESS_INFINITE
-
 double sharpness(double crease) {  // as Blender does
-  return crease <= 0 ? 0 : crease >= 1 ? infinitely_sharp : crease * crease * infinitely_sharp;
+  return crease <= 0 ? 0 : crease >= 1 ? sdc::Crease::SHARPNESS_INFINITE : crease * crease * sdc::Crease::SHARPNESS_INFINITE;
 }
 
 std::vector<Index> faces_around(const Connectivity& cage, std::span<const Index> around) {
@@ -165,7 +164,7 @@ private:
     }
     for (Index v : settings.loose_vertices) {
       const int local = part.vertex.find(v);
-      if (local >= 0) vertex_sharpness[local] = infinitely_sharp;
+      if (local >= 0) vertex_sharpness[local] = sdc::Crease::SHARPNESS_INFINITE;
     }
   }
 };

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "tripatch/math/places.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -25,7 +25,7 @@ PiecewisePolynomial field(const Series<Degree>& a) {
 
 /// In the middle of an edge the derivative across is at most so many times what the mean of the end normals makes it: reached where these
 /// are 120 degrees apart. A choice, for between opposite normals there is no bound.
-constexpr double max_bulge = 4;
+constexpr double max_bulge = factor::large;
 
 /// theta / sin(theta) for the angle between a chord and a tangent: the arc of a circle over its chord.
 double arc_over_chord(double sine) {

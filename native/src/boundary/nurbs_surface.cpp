@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "tripatch/math/jet.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
@@ -193,7 +193,7 @@ struct NurbsSurface::Edge {
 
   /// The k-th of them from fits between the knots, A = w P.
   PiecewisePolynomial fitted(int k) const {
-    constexpr int degree = 9;
+    constexpr int degree = count::degree;
     const std::vector<double> knots = along.breaks();
     std::vector<double> breaks = {0}, coefficients;
     for (std::size_t p = 0; p + 1 < knots.size(); ++p) {

@@ -8,7 +8,7 @@
 #include "tripatch/math/linear.h"
 #include "tripatch/math/places.h"
 #include "tripatch/math/smoothstep.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/messages.h"
 
@@ -20,12 +20,12 @@ double fading(double x, double low, double high) { return smoothstep((high - x) 
 
 /// Degrees that a rim turns by at a corner: up to the first it is smooth there and takes all of the floor, from the second on none. A round
 /// rim between three sides turns by 4 where it has 90 edges; sides of the ten test holes turn by no more than 27 where they have no corner.
-constexpr double smooth_turn = 5, corner_turn = 25;
+constexpr double smooth_turn = angle::slight, corner_turn = angle::crease;
 /// From here on a rim turns back on itself: which way is rounding, and it counts as convex.
-constexpr double turns_back = 179;
+constexpr double turns_back = angle::reversed;
 /// Of what the two tangents at a corner span over what the chords do, 1 for straight sides, 0 on a round rim: up to the first all of the
 /// floor is taken, from the second on none. A choice between the two.
-constexpr double round_opening = 0.1, straight_opening = 0.4;
+constexpr double round_opening = share::tenth, straight_opening = 0.4;
 
 /// How much of the floor a triangle's corner takes. An obtuse triangle may turn little and still be an affine image of a plain
 /// one, which keeps its alpha (Theorem 2). `opening` tells the two apart: the area that the two tangents span, over that of the

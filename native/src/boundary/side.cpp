@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -12,7 +13,7 @@ namespace {
 /// Sine of the angle between two tangents up to which they span no plane, 2 degrees: at 100 edges a round rim turns by 3.6.
 constexpr double one_direction = 0.035;
 /// Places between the corners at which the planes of a side that is not continued are set.
-constexpr int turned_places = 16;
+constexpr int turned_places = count::places;
 
 /// Twice the area that the chords of the rim enclose, as a vector: which way it is seen from outside where nothing else tells.
 Vec3 area_vector(const std::vector<Side>& sides) {
@@ -70,7 +71,7 @@ Vec3 Side::normal(double t) const { return r(t).cross(c.derivative_at(t)).stable
 
 Side piece_of(const Side& side, double from, double to) {
   const double low = std::min(from, to), high = std::max(from, to);
-  const auto is_closed = [&] { return (side.c(1) - side.c(0)).norm() <= sides_meet * (side.c(0.5) - side.c(0)).norm(); };
+  const auto is_closed = [&] { return (side.c(1) - side.c(0)).norm() <= tolerance::same * (side.c(0.5) - side.c(0)).norm(); };
   if (!(low >= 0 && low < 1 && high > low && high <= low + 1) || (high > 1 && !is_closed()))
     throw CodedArgument(Code::not_a_piece, {});
   const auto field = [&](const PiecewisePolynomial& f) {
@@ -118,13 +119,13 @@ double check_curves(const std::array<PiecewisePolynomial, 3>& curves) {
   for (const PiecewisePolynomial& c : curves) {
     const Vec3 a = c(0), b = c(1);
     size = std::max(size, (b - a).norm());
-    for (double t : {0.25, 0.5, 0.75}) size = std::max({size, (c(t) - a).norm(), (c(t) - b).norm()});
+    for (int k = 1; k < 4; ++k) size = std::max({size, (c(k / 4.0) - a).norm(), (c(k / 4.0) - b).norm()});
   }
   if (!(size > 0)) throw CodedRefusal(Code::sides_without_length);
   if (!std::isfinite(size)) throw CodedRefusal(Code::numbers_overflow);
   for (int i = 0; i < 3; ++i) {
     const double gap = (curves[i](1) - curves[(i + 1) % 3](0)).norm();
-    if (!(gap <= sides_meet * size))
+    if (!(gap <= tolerance::same * size))
       throw CodedRefusal(Code::sides_apart, {{"first", i}, {"second", (i + 1) % 3}, {"corner", (i + 2) % 3}, {"gap", gap}});
   }
   return size;

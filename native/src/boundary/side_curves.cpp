@@ -6,14 +6,14 @@
 
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/smoothstep.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
 
 /// Cosine of the angle of a rim normal to their mean, 84 degrees, from which on the rim counts as a graph over one plane; nothing of
 /// it at a right angle.
-constexpr double graph_from = 0.1;
+constexpr double graph_from = share::tenth;
 /// Of a cross derivative: the least part that leads across the rim, which is a slant of 73 degrees.
 constexpr double min_across = 0.3;
 /// A bend up to this over the square of the spacing, for vertices that deviate by 1, is noise.

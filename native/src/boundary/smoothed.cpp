@@ -6,6 +6,7 @@
 
 #include "tripatch/math/linear.h"
 #include "tripatch/math/parallel.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
@@ -77,10 +78,10 @@ struct FittedPolynomial {
   }
 };
 
-constexpr std::size_t few = 8;        ///< values of a side that say too little of what is noise: it stays as it is
-constexpr double too_far = 0.1;       ///< of the field's scale: the best polynomial does not follow it, it stays as it is
-constexpr double near_the_best = 2;   ///< times the residual of the highest degree: a lower one is as good
-constexpr double near_enough = 2e-5;  ///< of the field's scale: a residual that no seam shows, of about 1e-3 degrees
+constexpr std::size_t few = count::octet;  ///< values of a side that say too little of what is noise: it stays as it is
+constexpr double too_far = share::tenth;   ///< of the field's scale: the best polynomial does not follow it, it stays as it is
+constexpr double near_the_best = factor::clear;  ///< times the residual of the highest degree: a lower one is as good
+constexpr double near_enough = 2e-5;             ///< of the field's scale: a residual that no seam shows, of about 1e-3 degrees
 
 /// The polynomial of least degree that is nearly as near as that of the highest, or the field itself where that is not near or
 /// where it has few pieces. `rim`: the parameters of the mesh vertices; `kept`: how much of the ends, see Ends.

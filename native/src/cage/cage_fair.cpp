@@ -10,7 +10,7 @@
 #include "tripatch/math/damping.h"
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 /// 1e8).
 constexpr double pinned = 1e10;
 /// Rounds in which the weights of the logarithms, one over their values where the step leads, settle; 6e-4 with two, 4e-4 with six.
-constexpr int weight_rounds = 3;
+constexpr int weight_rounds = count::few;
 
 double power_derivative(double t, int power, int order) {
   double r = 1;
@@ -53,8 +53,8 @@ Weights quad_weights() {
       samples.push_back({(i + 0.5) / 4, (j + 0.5) / 4});
       monomials.push_back({i, j});
     }
-  for (double u : {0.25, 0.75})
-    for (double v : {0.25, 0.75}) places.push_back({u, v});
+  for (int u : {1, 3})
+    for (int v : {1, 3}) places.push_back({u / 4.0, v / 4.0});
   return derivative_weights(samples, monomials, places);
 }
 

@@ -7,7 +7,7 @@
 #include "tripatch/cage/cage_fair.h"
 #include "tripatch/cage/cage_terms.h"
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
@@ -15,8 +15,8 @@ namespace {
 /// A few new vertices cannot hold the surroundings where these slide along long faces: then they leave their place for a spike, and what
 /// was to be made fair is bent more than before. There the surroundings may move so many times as far, so many times at most. Of 23 cages
 /// between bevels of one to ten segments three ask for it, once; with two or eight times as far their limit is the same to 1e-3.
-constexpr double widening = 4;
-constexpr int max_widenings = 3;
+constexpr double widening = factor::large;
+constexpr int max_widenings = count::few;
 
 /// Stencils need patches, and the fit their limit.
 Subdivision with_stencils(Subdivision settings) {

@@ -9,11 +9,12 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/smoothstep.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
 
-constexpr int samples = 4;  ///< a row of each face: what face_shape takes its polynomials from
+constexpr int samples = count::several;  ///< a row of each face: what face_shape takes its polynomials from
 /// Times as long across the rim as the fill's own faces: from there on a face of the surroundings is a strip, by twice that for certain.
 constexpr double uneven = 2.5;
 

@@ -10,6 +10,7 @@
 #include "tripatch/grid/quad_rows.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/plane.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 #include "tripatch/quads/quad_smoothing.h"
 #include "tripatch/quads/spread.h"
@@ -20,7 +21,7 @@ namespace tripatch {
 namespace {
 
 /// Of 206 to 516 edges on balls, which cross as they are, three of five cages do not with these.
-constexpr int sweeps = 20;
+constexpr int sweeps = count::sweeps;
 
 /// The fill of triangles, if it follows its surroundings without any reservation, but that it leaves out what meets it at an angle.
 std::optional<Fill> followed(const FillContext& context, const std::vector<Index>& rim, const FillOptions& options) {

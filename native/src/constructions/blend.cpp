@@ -6,6 +6,7 @@
 
 #include "tripatch/boundary/rectangle_surface.h"
 #include "tripatch/boundary/side.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/patch/bezier_triangle.h"
 
 namespace tripatch {
@@ -112,7 +113,7 @@ std::array<Vec3, 3> common_corners(const std::array<SurfacePtr, 3>& surfaces) {
   for (int k = 0; k < 3; ++k) {
     const int a = (k + 1) % 3, b = (k + 2) % 3;  // the two surfaces that carry the sides at corner k
     const double gap = (at[a].row(k) - at[b].row(k)).norm();
-    if (!(gap <= sides_meet * size))
+    if (!(gap <= tolerance::same * size))
       throw CodedArgument(Code::surfaces_apart,
                           {{"first", "r" + std::to_string(a)}, {"second", "r" + std::to_string(b)}, {"corner", k}, {"gap", gap}});
     corners[k] = at[a].row(k);

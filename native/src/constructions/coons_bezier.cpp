@@ -11,7 +11,7 @@
 
 #include "tripatch/math/linear.h"
 #include "tripatch/math/places.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 using Exponents = std::array<int, 3>;
 
 /// Degree up to which the extremals' gradient is zero to 1e-13 of the net; the condition of their systems grows to 3e11 at degree 20.
-constexpr int well_conditioned_degree = 12;
+constexpr int well_conditioned_degree = count::dozen;
 
 /// All (i, j, k) of a degree in the order of a net.
 std::vector<Exponents> exponents(int degree) {
@@ -149,7 +149,7 @@ BezierTriangle solve_mask(const BoundaryCurves& boundary, CoonsKind kind, double
 }
 
 /// Of the curve through a side's rim vertices: through even ones of more it would swing between them (Runge).
-constexpr int max_side_degree = 12;
+constexpr int max_side_degree = count::dozen;
 
 /// Bernstein polynomials of a degree at parameters t, one a column.
 Eigen::MatrixXd bernstein(int degree, const std::vector<double>& t) {

@@ -4,12 +4,13 @@
 #include <numbers>
 
 #include "tripatch/math/linear.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/patch/vertex_ray.h"
 
 namespace tripatch {
 namespace {
 
-constexpr int degree = 5, net_size = 21, samples = 12;
+constexpr int degree = 5, net_size = (degree + 1) * (degree + 2) / 2, samples = count::dozen;
 
 Index net_row(int j, int k) { return Index(j + k) * (j + k + 1) / 2 + k; }
 Index net_row(const std::array<int, 3>& at) { return net_row(at[1], at[2]); }

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "tripatch/math/decompositions.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
@@ -16,8 +16,8 @@ using Vector3 = Eigen::Vector3d;
 double to_lambda(double x) { return 1 / (1 + std::exp(-x)); }
 const double bound = std::log((1 - tolerance::slight) / tolerance::slight);
 
-constexpr int scan_nodes = 9;  // in each direction, the middle one lambda = 1/2
-double scan_node(int k) { return 0.9 * bound * (2.0 * k / (scan_nodes - 1) - 1); }
+constexpr int scan_nodes = count::octet + 1;  // in each direction, the middle one lambda = 1/2
+double scan_node(int k) { return share::nearly_all * bound * (2.0 * k / (scan_nodes - 1) - 1); }
 
 /// The energies at all combinations of nodes: from all inner products between terms there.
 class Scan {
@@ -35,7 +35,7 @@ public:
   /// The four lowest of the local minima; the middle alone where the energy is flat (the three surfaces agree): nothing to choose.
   std::vector<Vector3> starts() const {
     constexpr int n = scan_nodes, m = n / 2;
-    constexpr std::size_t most = 4;  // descents
+    constexpr std::size_t most = count::several;  // descents
     std::vector<std::pair<double, std::array<int, 3>>> lowest;
     for (int a = 0; a < n; ++a)
       for (int b = 0; b < n; ++b)
@@ -114,7 +114,7 @@ Vector3 newton_direction(const ShapeEnergy& energy, const Vector3& x, const Eige
 
 /// Newton's method, kept inside the bounds.
 std::vector<SzilvasiNagy::Step> descend(const ShapeEnergy& energy, Vector3 x, double tiny) {
-  constexpr int steps = 50;  // at most
+  constexpr int steps = count::halvings;  // at most
   Eigen::VectorXd f = total(energy, x);
   double e = f.squaredNorm();
   std::vector<SzilvasiNagy::Step> path = {step_of(x, e)};

@@ -6,6 +6,7 @@
 
 #include "tripatch/constructions/shape_search.h"
 #include "tripatch/math/quadrature.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 #include "tripatch/patch/bezier_triangle.h"
 #include "tripatch/patch/vertex_ray.h"
@@ -13,7 +14,7 @@
 namespace tripatch {
 namespace {
 
-constexpr Index batch = 256;
+constexpr Index batch = count::block;
 
 /// The printed feet: along lines on which v, u and again u are constant.
 FootDirections printed_feet() { return {Vec3(1, 0, -1), Vec3(0, 1, -1), Vec3(0, -1, 1)}; }
@@ -162,8 +163,9 @@ Quadrature printed_quadrature() {
   Quadrature result;
   result.b.resize(9, 3);
   Index row = 0;
-  for (const double s : {0.25, 0.5, 0.75})
-    for (const double t : {0.25, 0.5, 0.75}) {
+  for (int i = 1; i < 4; ++i)
+    for (int j = 1; j < 4; ++j) {
+      const double s = i / 4.0, t = j / 4.0;
       result.b.row(row++) << t - s * t, s * t, 1 - t;
       result.weights.push_back(t / 9);
     }

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "tripatch/math/decompositions.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
@@ -24,9 +24,9 @@ constexpr double min_curve_nugget = -13, max_curve_nugget = 3, curve_nugget_step
 constexpr double rounding_of_samples = 1e-8;
 /// The length of the gap is that of the curve in it, which is not known before it: each round leaves a twentieth of the error over
 /// such an arc, four 1e-5 of the length, as much as the pieces do.
-constexpr int gap_rounds = 4;
+constexpr int gap_rounds = count::several;
 /// That the length is summed over: with half or twice as many the mean distance of those 68 changes by less than 0.1%.
-constexpr int length_pieces = 64;
+constexpr int length_pieces = count::many_places;
 
 double curve_kernel(int order, double t) {
   const double r = std::abs(t);
@@ -99,7 +99,7 @@ void CreaseCurve::choose(double unit) {
       const Eigen::ArrayXd pivots = values.array() + nugget;
       if (!(pivots.minCoeff() > 0)) continue;
       // Two directions across the curve, of which each sample says something.
-      constexpr double rounding = 2 * rounding_of_samples * rounding_of_samples;
+      constexpr double rounding = rounding_of_samples * rounding_of_samples * 2;
       const double squares = ((z.rowwise().squaredNorm().array() + rounding) / pivots).sum();
       const double variance = squares / (2 * count);
       const double likelihood = -count * std::log(variance) - pivots.log().sum();

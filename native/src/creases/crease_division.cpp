@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "tripatch/creases/crease_curve.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/edge_key.h"
 
@@ -15,7 +15,7 @@ namespace {
 
 /// Vertices of a crease that its curve is fitted to, on either side: farther ones tell nothing of the hole. Of 68 holes across
 /// creases (features.cpp) none has more than 17; with twelve their fills are as near in the mean.
-constexpr Index max_of_chain = 24;
+constexpr Index max_of_chain = count::dozens;
 /// New edges along a crease for each edge of the rim, if no resolution is given. The crease is at most half as long as the rim.
 /// With edges as short as those at its ends a rim of 65 edges got 60,000 triangles.
 constexpr Index crease_edges_a_rim_edge = 1;

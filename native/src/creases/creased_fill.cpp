@@ -9,7 +9,7 @@
 #include "tripatch/creases/crease_division.h"
 #include "tripatch/creases/joined_parts.h"
 #include "tripatch/hole/rim_shape.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/edge_key.h"
 #include "tripatch/mesh/submesh.h"
@@ -21,7 +21,7 @@ namespace tripatch {
 namespace {
 
 /// A point nearer to a crease than this share of its edges is meant to lie on it.
-constexpr double on_crease = 0.05;
+constexpr double on_crease = share::little;
 
 /// For each part the faces on its side of the creases: from its piece of the rim on across edges that are not sharp.
 std::vector<std::vector<Index>> faces_of_parts(const Mesh& mesh, const Connectivity& around, const Features& features,

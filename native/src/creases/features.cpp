@@ -8,6 +8,7 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/decompositions.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/edge_key.h"
 #include "tripatch/mesh/submesh.h"
@@ -23,19 +24,19 @@ namespace {
 constexpr double one_degree = std::numbers::pi / 180;
 /// And so many times what three quarters of the edges around stay below, and the half of those next to the crease: noise of a tenth of an
 /// edge, and coarse triangles of anything round, stay below that (-2%, 29%; share of 0.38: 3%).
-constexpr double above_noise = 3, ordinary_share = 0.75;
+constexpr double above_noise = deviations::clear, ordinary_share = share::most;
 /// Between smooth faces (smooth_angle) a crease that is sharp at the rim is followed to half of that: where two pipes meet it gets blunt
 /// by and by (0%, 3%).
-constexpr double still_crease = 0.5;
+constexpr double still_crease = share::half;
 /// Where a crease turns by more it ends (57%, -3%; with 63 degrees 7%).
-constexpr double sharpest_turn = 45 * one_degree;
+constexpr double sharpest_turn = angle::corner * one_degree;
 /// A crease of a single edge is believed where the edge is this share of the diameter, or longer: a choice, for none of the 68 is so.
-constexpr double long_edge = 0.25;
+constexpr double long_edge = share::quarter;
 /// One that gets blunt is believed to continue across the hole where it is this long; those of animals' faces and limbs seldom are. Where
 /// ordinary edges turn by more than the angle it must be longer, and corners at which it could end cannot be told from others. The two
 /// lengths: 0%, 35% and 0%, 30%; the angle: 40%, 0%.
-constexpr double min_blunt_length = 0.35, min_rough_length = 0.5;
-constexpr double smooth_angle = 5 * one_degree;
+constexpr double min_blunt_length = 0.35, min_rough_length = share::half;
+constexpr double smooth_angle = angle::slight * one_degree;
 /// Between the directions in which two ends continue and the line between them, at most. A circle's arc over a chord of 1.7 radii has 58.
 /// (51%, 2%.)
 constexpr double widest_view = 65 * one_degree;
@@ -44,16 +45,16 @@ constexpr double straight_on = 50 * one_degree;
 /// Between the faces on the same side of the two ends, once turned as the crease turns (0%, 0%).
 constexpr double same_face = 50 * one_degree;
 /// One end's angle over the other's, at most: a choice, for creases of the 68 are as sharp at both ends (0%, 0%).
-constexpr double same_angle = 3;
+constexpr double same_angle = factor::strong;
 /// Of the diameter: so near to a point go the lines of creases that meet there (0%, 0%).
 constexpr double meeting_share = 0.15;
 /// Of the determinant of the sum of the projections along them, 0 for one direction: less, and lines are nearly parallel. Three lines
 /// within 1.1 degrees of one direction have that (0%, 0%).
-constexpr double min_spread = 1e-2;
+constexpr double min_spread = share::hundredth;
 /// A rim edge continues along a crease if it leaves neither face by more than this, or by more than this times what the edges of
 /// the crease do. Nor may it leave the direction of the crease by more than 25 degrees (0%, 0%; 14%, 0%; with 51 degrees 8%, not
 /// at all 34%).
-constexpr double in_face = 3 * one_degree, as_curved = 1.5, along_crease = 0.9;
+constexpr double in_face = 3 * one_degree, as_curved = factor::slight, along_crease = share::nearly_all;
 
 Vec3 unit_normal(const Mesh& mesh, Index face) { return area_vector(mesh, face).stableNormalized(); }
 
@@ -111,7 +112,7 @@ private:
 
 /// Whether an edge at these vertices is one. At most holes none is, and a cosine tells.
 bool any_is_crease(const Mesh& mesh, const Connectivity& around, const std::vector<Index>& vertices) {
-  static const double surely_flat = std::cos(0.99 * min_crease_angle);
+  static const double surely_flat = std::cos(share::nearly_all * min_crease_angle);
   for (Index v : vertices)
     for (Connectivity::Corner c : around.at(v)) {
       const auto across = around.edge(around.next(c), v);

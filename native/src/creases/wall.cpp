@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "tripatch/math/angle.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/mesh/vertex_normals.h"
 
@@ -14,11 +14,11 @@ namespace tripatch {
 namespace {
 
 /// Standard deviations of the noise: vertices of a wall are no farther from it.
-constexpr double in_wall = 3;
+constexpr double in_wall = deviations::clear;
 /// Of an edge: noisier faces are no smooth wall (rough_noise of polyharmonic_spline.cpp).
-constexpr double rough_share = 0.04;
+constexpr double rough_share = noise::rough;
 /// Between a wall's mean plane and its faces: heights over the plane tell nothing of steeper ones.
-constexpr double steepest = 60 * std::numbers::pi / 180;
+constexpr double steepest = radians(angle::steep);
 /// The nearest to the rim: farther ones change no fill of 168 holes by more than 1%, and the time grows with their square.
 constexpr Index max_wall_samples = 400;
 /// Of the hole's diameter: at that distance from the rim faces count a third in the mean plane.

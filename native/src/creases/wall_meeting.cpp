@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "tripatch/math/plane.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/edge_key.h"
 
@@ -18,7 +18,7 @@ constexpr std::size_t max_runs = 9;
 /// Of the hole's diameter, from the nearest vertex of the rim: where walls meet farther off, the fill would leave the hole.
 constexpr double farthest_node = 1;
 /// Of the volume that three unit normals span, or the area of two: less, and it is chance where their curved walls meet.
-constexpr double min_span = 0.02;
+constexpr double min_span = share::trace;
 /// Points along a curved crease: over a quarter of a circle its chords are 1e-4 of the radius off.
 constexpr Index curve_points = 49;
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "tripatch/math/angle.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/edge_key.h"
 #include "tripatch/mesh/submesh.h"
@@ -23,24 +24,24 @@ constexpr double min_turn = 20 * std::numbers::pi / 180;
 /// Between a flat rim and walls that end there, at least: the corner of a box with chamfers of one face (35 degrees) is a rounded one's.
 constexpr double min_end_angle = 40 * std::numbers::pi / 180;
 /// The same where it is enough that half of the rim's edges have it.
-constexpr double clear_end_angle = 60 * std::numbers::pi / 180;
+constexpr double clear_end_angle = radians(angle::steep);
 /// The same where walls lean far under the rim, less than 30 degrees from what lies in it: whatever continues from them leaves the hole, so that
 /// walls need not meet at creases.
 constexpr double under_rim = 150 * std::numbers::pi / 180;
 /// Between faces of one wall, at most.
-constexpr double in_one_wall = 1 * std::numbers::pi / 180;
+constexpr double in_one_wall = radians(angle::flat);
 /// Radians over half of the hole's diameter: walls that bend by less away from the rim are straight. The end of a spring whose wire is a fifth as
 /// thick as its coil bends by 0.17 there, a ball cut in half by 1.
 constexpr double min_bend = 0.1;
 /// Planes next to a rim, as a prism has them whose walls meet at min_crease_angle; and planes that may be those of walls without faces.
-constexpr std::size_t max_planes = 16, max_unseen = 8;
+constexpr std::size_t max_planes = count::places, max_unseen = count::octet;
 /// Walls that seem to have lost nothing, where nothing else meets: of one a sliver may be left, two are the solid's shape.
 constexpr int max_whole = 1;
 /// Walls of a hole of which no face is left: what one vertex of a solid takes with it.
-constexpr std::size_t max_lost = 3;
+constexpr std::size_t max_lost = count::few;
 
 /// Around a rim in a plane: where all of that is flat, any fill is.
-constexpr int flat_rings = 6;
+constexpr int flat_rings = count::half_dozen;
 
 class WallFinder {
 public:

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "tripatch/math/angle.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 
@@ -15,22 +15,22 @@ namespace {
 // Half and twice of these numbers were tried on 78 rims in meshes of balls, tori, saddles and fillets, of 1 to 16 edges a side, with noise
 // of 0 to 2% of an edge. Two percentages tell by how much planes err more in the mean: with half, with twice of it.
 constexpr double never_one_plane =
-    60;                          ///< degrees between the planes of two sides at their corner: each keeps its own (0%, -3%);
-constexpr double one_plane = 5;  ///< also from so many degrees on (0%, -2%),
-constexpr double apart = 5;      ///< where they are so many standard deviations apart (2%, -3%)
+    angle::steep;  ///< degrees between the planes of two sides at their corner: each keeps its own (0%, -3%);
+constexpr double one_plane = angle::slight;    ///< also from so many degrees on (0%, -2%),
+constexpr double apart = deviations::certain;  ///< where they are so many standard deviations apart (2%, -3%)
 /// Faces in one plane at a corner, as wide as so many edges of the rim, are looked at: no needles. Any width between half and twice of it
 /// does for all 78.
-constexpr double wide = 0.3;
+constexpr double wide = share::three_tenths;
 /// Of the turn from face to face: sides whose turns differ by no more are even, an arc between two planes.
-constexpr double even_turns = 0.05;
+constexpr double even_turns = share::little;
 /// By how much planes along a side between two planes are off, of what its turns differ by: arcs of ellipses, of axes of 1.3 to 2, in
 /// two to four faces.
 constexpr double expected_error_uneven = 0.4;
 /// Shares of a side's turn at its last inner vertex by which the plane behind its end may lean against its last face; half in a fillet
 /// whose facets are even.
-constexpr double min_lean = 0.25, greatest_lean = 0.75;
+constexpr double min_lean = share::quarter, greatest_lean = share::most;
 /// Of that turn: an edge between a side and the plane, clearly; up to it there may be none.
-constexpr double clear_edge = 2;
+constexpr double clear_edge = factor::clear;
 
 /// The covariance of a fit's normal, seen in another frame.
 Eigen::Matrix2d covariance_in(const Eigen::Matrix<double, 3, 2>& across, const VertexFit& fit) {

@@ -9,7 +9,7 @@
 
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -20,7 +20,7 @@ constexpr std::size_t many_faces = 500;  ///< it takes 30 us to look at them, se
 constexpr double sharp_bend = 8 * std::numbers::pi / 180;
 /// A sharp edge bends this many times as much as any edge near it that runs its way: a chamfer's edge does, the edges of a coarse
 /// sphere or cylinder bend alike.
-constexpr double over_others = 2;
+constexpr double over_others = factor::clear;
 /// Cosine of the angle to it up to which an edge runs its way, 45 degrees. Of 78 rims half and
 /// twice of it change one, by less than 0.1%.
 constexpr double its_way = 0.7;
@@ -172,7 +172,7 @@ double bend_at(const LocalMesh& w, const std::vector<int>& across, int f, int c)
 
 /// Whether that is so little that the edge is never sharp, without an arc tangent: nearly always.
 bool is_flat(const LocalMesh& w, const std::vector<int>& across, int f, int c) {
-  static const double cosine = std::cos(0.99 * sharp_bend);
+  static const double cosine = std::cos(share::nearly_all * sharp_bend);
   const int g = across[c];
   return g < 0 || w.area[f].dot(w.area[g]) > cosine * w.twice_area[f] * w.twice_area[g];
 }

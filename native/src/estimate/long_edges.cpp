@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
@@ -16,15 +16,15 @@ namespace {
 /// of the hole's diameter off in the mean, now 0.3%. Of 500 holes in 25 meshes made by Blender's tools 114 change, eight by a fifth
 /// or more nearer, ten farther, seven of these at the tip of one cone; with 4 in place of 3 they do as well. Edges and diagonals of
 /// all triangles pass below round surfaces: with them 60 holes of scanned meshes were 2% farther.
-constexpr double times_as_long = 3;
+constexpr double times_as_long = factor::strong;
 constexpr std::size_t share_of_shorter = 4;
 /// Points on an edge, at most: the rest of a longer one is none of the hole's neighborhood.
-constexpr int max_on_edge = 8;
+constexpr int max_on_edge = count::octet;
 /// If edges at least half as long continue from both ends of a long edge and turn there by this much (a sine: 3 degrees), the
 /// mesh has such edges where its surface is round. An example is a vase of few spokes and many rings. Edges that continue into
 /// short ones, as a wall's do into those of a bevel, may turn as they will.
-constexpr double turns = 0.05;
-constexpr double as_long = 0.5;
+constexpr double turns = share::little;
+constexpr double as_long = share::half;
 
 /// An edge of a face, or a line across a face from corner to corner.
 struct FaceLine {

@@ -11,7 +11,7 @@
 #include "tripatch/estimate/stencils.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/decompositions.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
@@ -20,7 +20,7 @@ namespace {
 /// precision curvature is 2 to 60 times as far off by the first alone, up to 4 times by the first two; without noise they tell the same.
 constexpr std::array<double, 3> apart_by = {0.1, 0.4, 1};
 /// Vertices of the meridian besides the rim: of profiles that are no conic six leave a seventh of what four do.
-constexpr int max_on_meridian = 6;
+constexpr int max_on_meridian = count::half_dozen;
 
 /// Axis and circle of a rim.
 struct RimCircle {

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "tripatch/math/parallel.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
@@ -17,28 +17,28 @@ using Column = PlaneFit::Column;
 // of 0 to 2% of an edge. Two percentages tell by how much planes err more in the mean: with half, with twice of it.
 /// Of the variance components, and of these at most with half of the stencils. On ten surfaces of 8 to 32 edges a side, with noise of 0 to
 /// 3% of an edge, planes err by 3% less in the mean than after 14, 8 of them with half, without going further than asked for.
-constexpr int max_iterations = 10, max_with_half = 8;
+constexpr int max_iterations = 10, max_with_half = count::octet;
 /// Power of the ratio by which the variances of noise and truncation change, which creep otherwise: over-relaxation. With 2 they swing,
 /// and planes err by 20% more.
-constexpr double further = 1.5;
-constexpr double settled = 0.03;    ///< relative change of a variance: no more iterations (0%, 0%);
-constexpr double nearly = 0.1;      ///< with half of the stencils, which only begin (0%, 0%)
-constexpr double min_noise = 1e-7;  ///< of the stencil radius, as a deviation: keeps the normal equations solvable
+constexpr double further = factor::slight;
+constexpr double settled = 0.03;         ///< relative change of a variance: no more iterations (0%, 0%);
+constexpr double nearly = share::tenth;  ///< with half of the stencils, which only begin (0%, 0%)
+constexpr double min_noise = 1e-7;       ///< of the stencil radius, as a deviation: keeps the normal equations solvable
 /// Of the squared curvature that the faces next to the rim show: the least variance of second derivatives. 0%, -1%.
-constexpr double bends_at_least = 0.3;
+constexpr double bends_at_least = share::three_tenths;
 /// Of the variance that a term of one degree more would have at least: so little is left out of a plane.
-constexpr double min_truncation = 1e-6;
+constexpr double min_truncation = tolerance::same;
 /// Of the squared curvature that the faces show: the least variance of the slope across the rim against the faces next to it.
-constexpr double min_tilt = 1e-4;
+constexpr double min_tilt = tolerance::close;
 /// Of the squared curvature of a circle as large as the stencils: what the iteration starts from at least, for it cannot grow from nothing.
-constexpr double min_start = 0.01;
+constexpr double min_start = share::hundredth;
 /// Of the variance of the noise: a term that makes heights of less is not seen, and whether it has settled does not matter.
-constexpr double unseen_share = 0.1;
+constexpr double unseen_share = share::tenth;
 
 /// Of a diagonal element of a normal matrix: with less left of it, rounding would count.
-constexpr double min_pivot = 1e-4;
+constexpr double min_pivot = tolerance::close;
 /// Of a fit, after which its coefficients are those of an orthogonal triangularization.
-constexpr int refinements = 2;
+constexpr int refinements = count::pair;
 
 /// The term of x^i y^j / (i! j!), so that the coefficients are the derivatives of the height.
 struct Term {

@@ -11,25 +11,25 @@
 #include "tripatch/estimate/circle.h"
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
 
 /// Unknowns of a cylinder, and vertices beyond these that tell whether there is one.
-constexpr int cylinder_unknowns = 5, min_beyond = 3;
+constexpr int cylinder_unknowns = 5, min_beyond = count::few;
 
 /// Edges that the faces are deep: vertices on two circles are on a cylinder and on any surface of revolution through these. Meshes follow their
 /// surfaces, so that long faces bend little along them; squares next to a torus, of 1.6, hide 3 degrees.
 constexpr double deep_faces = 5;
 /// Where they are not so deep the cylinder has to end behind them. A sine and a cosine of angles to the way across: of edges
 /// that continue a ruling.
-constexpr double off_way = 0.1, ahead = 0.7;
+constexpr double off_way = share::tenth, ahead = 0.7;
 /// Of what a strip would turn if it bent as what lies behind it: the turn there is within this of what ends a straight one. Circles of even
 /// edges are to rounding, and strips that bend are off by all of it.
-constexpr double clear_end = 0.25;
+constexpr double clear_end = share::quarter;
 /// Inner vertices of a side that say so, at least; none says otherwise.
-constexpr int min_asked = 2;
+constexpr int min_asked = count::pair;
 
 struct Cylinder {
   Vec3 point, axis;            // axis: unit

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "tripatch/math/angle.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 
@@ -15,31 +16,34 @@ namespace {
 
 // Half and twice of these numbers were tried on 78 rims in meshes of balls, tori, saddles and fillets, of 1 to 16 edges a side, with noise
 // of 0 to 2% of an edge. Two percentages tell by how much planes err more in the mean: with half, with twice of it.
-constexpr double flat_enough = 5e-4;  ///< slope over the guess of a plane: no second fit; 0%, 0%
-constexpr double max_tilt = 0.2;      ///< slope over the faces that is handed on to the next vertex; 1%, 1%
-constexpr int pooled = 2;             ///< vertices to each side that are judged together; 4%, 2%
+constexpr double flat_enough = 5e-4;       ///< slope over the guess of a plane: no second fit; 0%, 0%
+constexpr double max_tilt = share::fifth;  ///< slope over the faces that is handed on to the next vertex; 1%, 1%
+constexpr int pooled = count::pair;        ///< vertices to each side that are judged together; 4%, 2%
 /// Logarithm of densities: what is near is predicted within a seventh. Less says nothing, for the first guess of a plane is made of the
 /// nearest faces themselves: where the noise is 1% of the edges, one ring seems better by 1 to 1.6.
 constexpr double by_far = 2;
-constexpr double by_some = 0.5;  ///< without noise: a fifth; nothing where the other is as much less certain of its plane.
+constexpr double by_some =
+    share::half;  ///< without noise: a fifth; nothing where the other is as much less certain of its plane.
 /// Vertices to each side along the rim that a vertex is compared with.
-constexpr int max_compared = 3, min_compared = 2;
+constexpr int max_compared = count::few, min_compared = count::pair;
 /// Of the mean rim edge: a rim of a deviation of less has no noise; coarse meshes of 12 degrees an edge have 1e-3.
-constexpr double noisy_rim = 3e-3;
+constexpr double noisy_rim = noise::some;
 /// If the rim has no noise, a fit of r rings gets at least the variance of such noise over the cube of r rows of faces, times
 /// this factor. Of 1 to 30, tried on ten surfaces with noise of 0.1 to 3% of the edges, it left the smallest errors.
-constexpr double known_by_ring = 10;
+constexpr double known_by_ring = factor::huge;
 /// Nor better than this part of what the faces near it lean by, over the square of r: a row of them tells a plane, not how the surface
 /// bends away.
-constexpr double known_by_lean = 0.25;
-constexpr double agrees = 5;  ///< standard deviations from a plane to facets that have nothing against them; 0%, 0%
+constexpr double known_by_lean = share::quarter;
+constexpr double agrees =
+    deviations::certain;  ///< standard deviations from a plane to facets that have nothing against them; 0%, 0%
 /// By how much a plane is off along the rim where a side turns by x radians an edge: this times x^3, as the ends of a spline through an
 /// arc are. 2.7 to 3.2 degrees on arcs of 70 to 120 degrees in two edges.
 constexpr double expected_error_turn = 7.5 * std::numbers::pi / 180;
-constexpr int few_edges = 4;  ///< of a side; of more, fits see the turn themselves: less by the square of their number
-constexpr double bent = 5;    ///< degrees that a side turns by at least, for its faces to tell their plane; 0%, 0%
+constexpr int few_edges =
+    count::several;                     ///< of a side; of more, fits see the turn themselves: less by the square of their number
+constexpr double bent = angle::slight;  ///< degrees that a side turns by at least, for its faces to tell their plane; 0%, 0%
 constexpr double always_plausible =
-    0.02;  ///< sine of the angle by which a plane may always lean against the faces next to it, 1 degree
+    share::trace;  ///< sine of the angle by which a plane may always lean against the faces next to it, 1 degree
 
 /// The heights nearest to a rim vertex, which every neighborhood has to explain.
 std::vector<double> densities(const LocalMesh& w, const SideDraft& side, int k, const std::vector<Share>& nearest,

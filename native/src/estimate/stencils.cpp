@@ -3,7 +3,7 @@
 #include <Eigen/Dense>
 
 #include "tripatch/math/smoothstep.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 
@@ -12,13 +12,16 @@ namespace {
 // Half and twice of these numbers were tried on 78 rims in meshes of balls, tori, saddles and fillets, of 1 to 16 edges a side, with noise
 // of 0 to 2% of an edge. Two percentages tell by how much planes err more in the mean: with half, with twice of it.
 constexpr int enough_points = 50;  ///< a stencil stops growing at this size: more than twice the terms; -6%, 0%
-constexpr int few_points = 8;  ///< beyond the rim: with fewer, those that do not lie in front of the side are used too; 3%, -5%
-constexpr double steep = 0.5;  ///< cosine: vertices turned further count for nothing (14%, and with twice of it none is left),
-constexpr double fully_from = 0.3;  ///< and fully from so much more on, where their heights are those of a graph; 5%, -8%
+constexpr int few_points =
+    count::octet;  ///< beyond the rim: with fewer, those that do not lie in front of the side are used too; 3%, -5%
+constexpr double steep =
+    share::half;  ///< cosine: vertices turned further count for nothing (14%, and with twice of it none is left),
+constexpr double fully_from =
+    share::three_tenths;  ///< and fully from so much more on, where their heights are those of a graph; 5%, -8%
 // Shares fade over a quarter of a rim edge, or of a ratio of distances, for a plane shall not jump when a vertex moves.
 constexpr double beyond_end = 0.35;   ///< rim edges beyond the plane across a side's end where a share reaches 0; 1%, -4%
 constexpr double nearer_other = 1.3;  ///< times as far from the side as from its neighbor: the share is 0; 31%, -6%
-constexpr double fade_width = 0.25;
+constexpr double fade_width = share::quarter;
 
 /// What lies in front of a side, at one of its vertices: as far as the rings reach only the side's own vertices and at its ends those
 /// of its neighbors are looked at. What lies elsewhere does not count, because curvature may jump at the corners (where a fillet ends).
@@ -228,7 +231,7 @@ const std::vector<Share>& grow(const LocalMesh& w, const SideDraft& side, int k,
   Growing growing(w, side, k, e3, in_front, search);
   if (!growing.grow_smoothly(near.rings)) growing.grow(near.rings);
   if (near.widened) growing.widen();
-  constexpr double rounding = 1e-9;
+  constexpr double rounding = tolerance::solved;
   search.grown = {k, near, e3, growing.margin() * (1 - rounding) - rounding, std::move(search.grown.used)};
   return search.grown.used;
 }
@@ -288,7 +291,7 @@ void SideSearch::look_around(const LocalMesh& w, int v) {
     }
   }
   neighbors.resize(all.end);
-  constexpr double rounding = 1e-12;
+  constexpr double rounding = tolerance::rounding;
   all.off = std::sqrt(2 * (1 - cosine) + rounding);
 }
 

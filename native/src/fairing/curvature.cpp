@@ -7,7 +7,7 @@
 
 #include "tripatch/math/linear.h"
 #include "tripatch/math/places.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
@@ -149,7 +149,8 @@ SurfacePtr meet_curvature(const SurfacePtr& patch, const Sides& sides, const std
       scale = std::max(scale, std::sqrt(form.squared_norm()) * form.across(across[k].first));
       largest = std::max(largest, Vec3::Map(&lacks[3 * k]).norm());
     }
-    const double to = largest > 0 ? std::clamp(precision * scale / largest, tolerance::solved, 0.01) : 0.01;
+    const double to =
+        largest > 0 ? std::clamp(precision * scale / largest, tolerance::solved, share::hundredth) : share::hundredth;
     fields[i] = fit_between_vertices(sides[i], to, lacking);
   }
   return sum(patch, std::make_shared<Bends>(std::move(fields)));

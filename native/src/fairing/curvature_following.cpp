@@ -4,12 +4,13 @@
 #include <numbers>
 
 #include "tripatch/fairing/curvature_variation.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
 
 /// Points count like sin(pi t), so that the corners, where the sides' own data meet, do not decide, but not less than this there.
-constexpr double weight_at_corners = 0.05;
+constexpr double weight_at_corners = share::little;
 
 }  // namespace
 

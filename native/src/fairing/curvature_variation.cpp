@@ -9,7 +9,7 @@
 namespace tripatch {
 namespace {
 
-constexpr double root3 = 1.7320508075688772;
+constexpr double root3 = std::numbers::sqrt3;
 
 /// Derivatives in (x, y) from Taylor coefficients in (b0, b1): db0 = dx - dy / sqrt 3, db1 = 2 dy / sqrt 3.
 Eigen::Matrix<double, 9, 9> chart_change() {

@@ -11,21 +11,23 @@
 #include "tripatch/fairing/energy.h"
 #include "tripatch/math/damping.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
 
 // Half and twice of these numbers were tried on seven three-sided holes of 8 edges a side: in a sphere, a torus, a saddle, Franke's function
 // and a helicoid, and at two corners of fillets. Reported is by how much of the diameter a vertex of one of them moves at most.
-constexpr double weight_of_jumps = 0.1;  // of the energy at the start, for each jump of curvature that is tolerated: 1e-3
-constexpr double share_of_reach = 0.9;   // of the way to alpha's bound, so that the steps that follow have room: 0 with 0.54
+constexpr double weight_of_jumps =
+    share::tenth;  // of the energy at the start, for each jump of curvature that is tolerated: 1e-3
+constexpr double share_of_reach =
+    share::nearly_all;  // of the way to alpha's bound, so that the steps that follow have room: 0 with 0.54
 /// Of one of two energies in the derivative: for less its model, half the work, is not made: 1e-5.
-constexpr double min_share = 0.05;
+constexpr double min_share = share::little;
 
-constexpr double enough = 1e-2;  // relative gain: the step that gains less is the last
+constexpr double enough = share::hundredth;  // relative gain: the step that gains less is the last
 constexpr double none =
-    1e-4;  // next to none: energies have no units, and those of holes with any shape of their own are above 1e-2
+    tolerance::close;  // next to none: energies have no units, and those of holes with any shape of their own are above 1e-2
 
 /// to += weight * from.
 void add_times(double weight, const double* from, Index count, double* __restrict to) {
@@ -134,8 +136,8 @@ Quadratic Merit::weighted(const Model& m, const Eigen::VectorXd& x, const Eigen:
 
 Eigen::VectorXd Merit::step(const Model& m, const Eigen::VectorXd& x, const Value& v, const Eigen::MatrixXd& metric,
                             double damping) const {
-  constexpr int rounds = 4;     // of weighting, at most: with two of them 5e-3, with eight 1e-2 at the saddle
-  constexpr double near = 0.1;  // where another round changes so little (relative), it is the last: 4e-4
+  constexpr int rounds = count::several;  // of weighting, at most: with two of them 5e-3, with eight 1e-2 at the saddle
+  constexpr double near = share::tenth;   // where another round changes so little (relative), it is the last: 4e-4
   const Eigen::VectorXd third_slope = symmetric_product(third_.normal, x) + third_.gradient;
   Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
   for (int round = 0; round < rounds; ++round) {

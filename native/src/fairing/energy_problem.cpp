@@ -6,6 +6,7 @@
 #include "tripatch/fairing/curvature_variation.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/parallel.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 
@@ -130,7 +131,7 @@ std::array<Quadratic, 2> EnergyProblem::linearized(const std::vector<Derivatives
 /// Of some of the nodes the Gram matrices of their rows and values.
 std::array<RowMajor, 2> EnergyProblem::grams(const std::vector<Derivatives>& all, const std::array<bool, 2>& wanted, Index from,
                                              Index to) const {
-  constexpr Index block = 12;              // nodes: their rows stay in the cache
+  constexpr Index block = count::dozen;    // nodes: their rows stay in the cache
   std::array<RowMajor, 2> jacobian, gram;  // with the values as last column
   const auto nodes = std::make_unique_for_overwrite<CurvatureVariationRows[]>(block);
   const Index columns = count() + 1;

@@ -7,11 +7,13 @@
 #include "tripatch/fairing/energy.h"
 #include "tripatch/fairing/fairing_problem.h"
 #include "tripatch/fairing/fold_removal.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
 
-constexpr Index few_folds = 100;  // of a grid's 2145 points: where more fold, a little of the interior term cannot help
+constexpr Index few_folds =
+    count::hundred;  // of a grid's 2145 points: where more fold, a little of the interior term cannot help
 
 /// The candidate to be taken: the first with folds no more than the plain patch has, or that can do without them.
 class CandidateChoice {

@@ -39,9 +39,10 @@ std::vector<PiecewisePolynomial> slope_directions(const Side& side, const std::a
 double alpha_reach(const PiecewisePolynomial& alpha, const PiecewisePolynomial& added) {
   double most = std::numeric_limits<double>::infinity();
   for (int k = 1; k < 32; ++k) {
+    const double t = static_cast<double>(k) / 32;
     double before, change;
-    alpha.taylor(k / 32.0, 0, &before);
-    added.taylor(k / 32.0, 0, &change);
+    alpha.taylor(t, 0, &before);
+    added.taylor(t, 0, &change);
     if (!(change >= 0)) most = std::min(most, -(1 - min_alpha_kept) * before / change);
   }
   return most;

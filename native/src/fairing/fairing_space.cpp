@@ -67,12 +67,12 @@ public:
   template <int N, class P>
   TRIPATCH_ANY_PACK void plane(const P (&b)[3], TangentPlane<N, P>& sum) const {
     inside<N>(b[0], b[1], sum);
-    const P g = 27.0 * (b[0] * b[1] * b[2]), over = g * g;
+    const P g = 27 * (b[0] * b[1] * b[2]), over = g * g;
     if constexpr (N > 0)
       for (int d = 0; d < 2; ++d) {
         const auto& slope = barycentric_slopes;
         const P of_g = slope[0][d] * (b[1] * b[2]) + slope[1][d] * (b[2] * b[0]) + slope[2][d] * (b[0] * b[1]);
-        const P of_over = 54.0 * (g * of_g);
+        const P of_over = 54 * (g * of_g);
         for (int x = 0; x < 3; ++x) sum[1 + d][x] = over * sum[1 + d][x] + of_over * sum[0][x];
       }
     for (int x = 0; x < 3; ++x) sum[0][x] *= over;
@@ -109,7 +109,7 @@ public:
     PointOf<N, P> p;
     for (int k = 0; k < jet_size(N); ++k)
       for (int x = 0; x < 3; ++x) p.x[x].c[k] = inner[k][x];
-    const JetOf<N, P> over = square(27.0 * (b[0] * b[1] * b[2]));
+    const JetOf<N, P> over = square(27 * (b[0] * b[1] * b[2]));
     const Rays<N, P> rays(b);
     JetOf<N, P> weights[3], cubic_weights[3];
     set_side_weights<2>(b, rays, weights);

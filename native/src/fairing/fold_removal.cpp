@@ -6,19 +6,20 @@
 
 #include "tripatch/fairing/fairing_space.h"
 #include "tripatch/math/linear.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/triangular_grid.h"
 #include "tripatch/patch/rim_normals.h"
 
 namespace tripatch {
 namespace {
 
-constexpr int degree = 9;  // of the interior term
+constexpr int degree = count::degree;  // of the interior term
 constexpr Index rows = fold_grid_rows;
-constexpr double facing = 0.02;     // cosine, least wanted, to the rim's normals: a little more than FoldCounter asks
-constexpr double neighbors = 0.55;  // cosine, least wanted, between neighbors' normals: FoldCounter asks for 0.5
-constexpr double far = 0.25;        // times the size: where that is not enough, nothing is
-constexpr int rounds = 16;          // at most, of a penalty that grows threefold
-constexpr double first_penalty = 10, growth = 3;
+constexpr double facing = share::trace;  // cosine, least wanted, to the rim's normals: a little more than FoldCounter asks
+constexpr double neighbors = 0.55;       // cosine, least wanted, between neighbors' normals: FoldCounter asks for 0.5
+constexpr double far = share::quarter;   // times the size: where that is not enough, nothing is
+constexpr int rounds = count::places;    // at most, of a penalty that grows threefold
+constexpr double first_penalty = factor::huge, growth = factor::strong;
 
 /// The points of the grid inside the triangle, what normals are wanted there, and what the functions do to them.
 struct Inside {

@@ -7,7 +7,7 @@
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/smoothstep.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
@@ -68,7 +68,8 @@ private:
 
 Vec3 in_plane(const Vec3& v, const Vec3& n) { return v - n.dot(v) * n; }
 
-constexpr double min_slant = 0.2;  // cosine: a line that leaves the side at less than some 12 degrees is no crease to be followed
+constexpr double min_slant =
+    share::fifth;  // cosine: a line that leaves the side at less than some 12 degrees is no crease to be followed
 
 /// A derivative across that is in the planes of both sides of a kink and goes as far inwards as v: where they differ, along the line
 /// where they meet, which is the crease that ends there. None where that line runs along the side.

@@ -15,7 +15,7 @@
 #include "tripatch/grid/quad_rows.h"
 #include "tripatch/grid/rows_surface.h"
 #include "tripatch/hole/rim_checks.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/doubled_edges.h"
@@ -27,13 +27,13 @@ namespace tripatch {
 namespace {
 
 /// Of the side of a block, in edges: of more the matrices of its differences would take longer than other fills.
-constexpr Index max_edges = 200;
+constexpr Index max_edges = count::hundreds;
 /// Vertices inside an outline that is no block, for the same reason: of so many it takes half a second.
 constexpr Index max_inside = 2000;
 /// Right angles by which the rim of a hole in a grid turns; a pole of five or three rows makes one more or less.
 constexpr Index right_angles_of_grid = 4;
 /// Rows beyond the rim that the surface goes through: what the spline does at its ends is a fourteenth of that two rows within.
-constexpr Index rows_of_surface = 2;
+constexpr Index rows_of_surface = count::pair;
 /// Positions of a block with its rows around.
 class Block {
 public:

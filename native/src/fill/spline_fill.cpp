@@ -12,7 +12,7 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/canonical_part.h"
 #include "tripatch/mesh/submesh.h"
@@ -311,7 +311,7 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
 }
 
 /// Rings of faces beyond those that a fill looks at: neighbors of neighbors are looked at too.
-constexpr int rings_beyond = 3;
+constexpr int rings_beyond = count::few;
 
 /// reach: as a share of the hole's diameter.
 std::vector<Index> faces_looked_at(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,

@@ -6,6 +6,7 @@
 
 #include "tripatch/grid/mixed_differences.h"
 #include "tripatch/math/decompositions.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
@@ -97,7 +98,7 @@ double missed(const PointsRef& vertices, const QuadRows& rows, int order) {
 }  // namespace
 
 /// Of L steps x^2 (L - x)^2 is (L / 2)^4 in the middle, and about L^2 after the first: the square of so much of L.
-constexpr double middle_share = 0.25;
+constexpr double middle_share = share::quarter;
 
 double middle_over_first(double across) { return std::pow(middle_share * across, 2); }
 

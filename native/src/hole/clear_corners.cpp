@@ -9,6 +9,7 @@
 #include "tripatch/hole/corners.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
@@ -19,16 +20,16 @@ constexpr double min_turn = 12 * std::numbers::pi / 180;
 /// And by this many times what the vertices next to it turn, two to either side. Smooth sides bend alike from vertex to vertex; where an
 /// arc begins at a straight line it is twice as much.
 constexpr double over_beside = 2.5;
-constexpr Index beside = 2;
+constexpr Index beside = count::pair;
 /// But a bend within an edge of a corner that turns this many times as much is none: where fillets of three radii meet, curves of CAD
 /// programs bend by 16 to 17 degrees next to corners of 100.
-constexpr double over_bend = 4;
+constexpr double over_bend = factor::large;
 /// Corners are edges apart, three in the mean: of shorter sides nobody knows which way they run.
-constexpr Index min_edges = 2, mean_edges = 3;
-constexpr Index max_clear = 12;
-constexpr Index min_round_edges = 8;
+constexpr Index min_edges = count::pair, mean_edges = count::few;
+constexpr Index max_clear = count::dozen;
+constexpr Index min_round_edges = count::octet;
 /// The end of a prism of so few walls has a corner at every vertex: of more it may be a coarse tube.
-constexpr std::size_t max_walls = 6;
+constexpr std::size_t max_walls = count::half_dozen;
 
 /// Whether no face around is a triangle: lines of quads tell of three corners more surely than turns do.
 bool between_lines(const Connectivity& around, const std::vector<Index>& rim) {

@@ -7,7 +7,7 @@
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/hole/sharp_sides.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/messages.h"
 
@@ -20,13 +20,13 @@ using Loop = std::vector<Index>;
 // elsewhere.
 constexpr double clear_turn = 40 * std::numbers::pi / 180;  ///< a corner turns by at least this
 constexpr double sure_turn =
-    55 * std::numbers::pi / 180;      ///< and is one whatever the number of edges (a hexagon has six corners)
-constexpr double over_round = 1.5;    ///< less sure ones: by this many times what a round rim of such edges turns,
-constexpr double over_neighbors = 2;  ///< or by this many times what it turns at the vertices next to it
+    55 * std::numbers::pi / 180;                  ///< and is one whatever the number of edges (a hexagon has six corners)
+constexpr double over_round = factor::slight;     ///< less sure ones: by this many times what a round rim of such edges turns,
+constexpr double over_neighbors = factor::clear;  ///< or by this many times what it turns at the vertices next to it
 constexpr double crisp_turn =
     75 * std::numbers::pi / 180;          ///< a single vertex that turns by this is never part of another corner,
 constexpr double crisp_share = 1.0 / 12;  ///< given that its edges are this long, in windows: those of no length turn by noise
-constexpr std::size_t max_corners = 12;   ///< counted; a rim with more has none that is clear
+constexpr std::size_t max_corners = count::dozen;  ///< counted; a rim with more has none that is clear
 
 /// How far the rim turns around each vertex: the mean direction over a window after it against that before it. That weights
 /// the turns at the vertices by a tent, so noise, whose turns cancel, counts little and uneven spacing not at all.

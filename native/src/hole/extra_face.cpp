@@ -8,6 +8,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/edge_key.h"
 
 namespace tripatch {
@@ -15,7 +16,7 @@ namespace {
 
 /// Cosine between the ways from one face to the next across their edge, below which they are no one surface: 60 degrees, more than ears of
 /// rough rims bend. A choice.
-constexpr double one_surface_cos = 0.5;
+constexpr double one_surface_cos = share::half;
 
 Vec3 middle_of_corners(const Mesh& mesh, std::span<const Index> face) {
   Vec3 sum = Vec3::Zero();

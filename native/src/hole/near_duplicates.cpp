@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "tripatch/math/box_tree.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/edge_key.h"
 
@@ -17,7 +17,7 @@ namespace tripatch {
 namespace {
 
 /// Of an edge's length: what lies farther off is a gap, however near by the mesh's size.
-constexpr double near_share = 0.01;
+constexpr double near_share = share::hundredth;
 
 /// An edge of a border, in the direction of new faces.
 struct BorderSegment {
@@ -266,9 +266,9 @@ std::vector<Contact> contacts(const Mesh& mesh, std::span<const std::vector<Inde
     const BorderSegment& own = segments[e];
     const double within = std::min(reach, near_share * own.length());
     bool on_any = true, on_others = true;
-    for (const double t : {0.25, 0.5, 0.75}) {
+    for (int k = 1; k < 4; ++k) {
       bool any = false, others = false;
-      tree.near(own.p + t * (own.q - own.p), within, [&](std::size_t f) {
+      tree.near(own.p + k / 4.0 * (own.q - own.p), within, [&](std::size_t f) {
         any |= f != e;
         others |= segments[f].loop != own.loop;
       });

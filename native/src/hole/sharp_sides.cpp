@@ -10,6 +10,7 @@
 
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/vertex_normals.h"
 
@@ -20,20 +21,20 @@ namespace {
 /// come; the least angle of the real CAD faces with sharp neighbors is 30.
 constexpr double surely_smooth = 20;
 /// Of what direction and plane change from one edge to the next: carried on to the corner they are off by a quarter of that on circles.
-constexpr double of_bend = 0.5;
+constexpr double of_bend = share::half;
 /// Of the tolerance: a side is off at both of its corners by more than that, and by more than the tolerance on average.
-constexpr double min_share = 0.25;
+constexpr double min_share = share::quarter;
 /// Degrees that direction and plane may change along a side of a single edge, at its half: a rounded corner of a box in one segment lies
 /// 35 off.
-constexpr double turn_of_one_edge = 70;
+constexpr double turn_of_one_edge = angle::upright;
 /// Degrees between the planes next to two sides of an edge each and that of the rim at their corner, and between those two planes, from
 /// which on they are walls: those of prisms of four to six sides. Of balls as coarse as an octahedron they are 55 and 71; between three
 /// sides of one edge there is a triangle and nothing to choose.
-constexpr double min_upright = 70, min_apart = 55;
+constexpr double min_upright = angle::upright, min_apart = 55;
 /// Sine of the angle between two sides from which on their tangents tell a plane: below 12 degrees only the faces next to them do.
-constexpr double tells_plane = 0.2;
+constexpr double tells_plane = share::fifth;
 /// Degrees between two faces from which on the surface is not the same one, as for features across holes.
-constexpr double crease = 25;
+constexpr double crease = angle::crease;
 
 /// Radians by which the sides of a hole together turn in the surroundings from which on these reach around it: a half turn.
 constexpr double turns_around = std::numbers::pi;

@@ -6,6 +6,7 @@
 
 #include "tripatch/choices.h"
 #include "tripatch/isometry/least_strain.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/edge_key.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/mesh/vertex_normals.h"
@@ -17,7 +18,7 @@ namespace tripatch {
 namespace {
 
 /// Rings of faces that are to unroll with a fill: one says where each edge of the rim bends, two which way they run.
-constexpr int unrolled_rings = 2;
+constexpr int unrolled_rings = count::pair;
 
 /// Cut into a fan, by row.
 void add_fan(const std::vector<Index>& face, Triangles& triangles) {

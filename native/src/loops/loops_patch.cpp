@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "tripatch/math/angle.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/remesh.h"
 #include "tripatch/patch/seam.h"
@@ -21,16 +21,16 @@ namespace {
 
 /// Points at which the base meets the sides, all loops together.
 constexpr double base_points = 160;
-constexpr int least_base_points = 3;  ///< of an edge
+constexpr int least_base_points = count::few;  ///< of an edge
 /// The kernel r^5, as that of HermiteCorrection: its sums keep all but a few digits.
 constexpr double base_order = 3.5;
 /// An edge of the domain turns by no more degrees than this; a choice: its ends are corners of the domain, where the patch has none.
-constexpr double edge_turn = 15;
+constexpr double edge_turn = angle::bend;
 /// Of the size, or of a unit vector: how well polynomials fit what the base lacks. Far below what is seen, above rounding.
 constexpr double lack_tolerance = 1e-11;
-constexpr int lack_degree = 9, lack_depth = 3;
+constexpr int lack_degree = count::degree, lack_depth = count::few;
 /// Edges a side on which folds are looked for.
-constexpr int fold_edges = 24;
+constexpr int fold_edges = count::dozens;
 
 Vec2 left_of(const Vec2& from, const Vec2& to) {
   const Vec2 way = (to - from).normalized();

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <array>
 
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 
 namespace tripatch {
 namespace {
 
 /// Edges are compared with points at this share of their length: not in the middle, so that the two directions differ.
-constexpr double off_middle = 0.3;
+constexpr double off_middle = share::three_tenths;
 /// How vertices a few places on count: unlike each other, so that no two arrangements of lengths come to the same sum but by chance.
 constexpr std::array<double, 3> places_on = {1, 0.37, 0.21};
 

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <utility>
 
+#include "tripatch/math/thresholds.h"
+
 namespace tripatch {
 
 namespace {
@@ -12,7 +14,7 @@ using Clock = std::chrono::steady_clock;
 /// Often enough for a bar, and for Ctrl-C to be obeyed within 100 ms.
 constexpr std::chrono::milliseconds between_calls{50};
 constexpr std::chrono::milliseconds passes_are_rare{1};
-constexpr int passes_a_look = 16;  // while they are not
+constexpr int passes_a_look = count::places;  // while they are not
 
 /// What a thread asks now and then while it works.
 class Asking {

@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/threads.h"
 
 namespace tripatch {
@@ -52,7 +53,7 @@ void rest() {
 template <class Known>
 bool looked_for(const Known& known) {
   using Clock = std::chrono::steady_clock;
-  constexpr int looks = 100;
+  constexpr int looks = count::hundred;
   for (const Clock::time_point end = Clock::now() + looks_for; Clock::now() < end; std::this_thread::yield())
     for (int k = 0; k < looks; ++k, rest())
       if (known()) return true;

@@ -7,11 +7,12 @@
 
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/simd.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
 
-constexpr int max_together = 8;
+constexpr int max_together = count::octet;
 
 /// Columns of the factor from the rows on that they have in common, and what they are multiplied by.
 struct Columns {

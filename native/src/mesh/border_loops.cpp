@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "tripatch/math/thresholds.h"
+
 namespace tripatch {
 namespace {
 
@@ -21,7 +23,7 @@ struct BorderEdge {
 
 /// Whether every neighbor of v is before it in a face and behind it in another: no border edge ends there.
 bool inside(const Connectivity& mesh, std::span<const Corner> corners) {
-  constexpr std::size_t few = 16;  // corners that are compared each with each
+  constexpr std::size_t few = count::places;  // corners that are compared each with each
   if (corners.size() > few) return false;
   std::array<Index, few> next{}, previous{};
   for (std::size_t k = 0; k < corners.size(); ++k) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tripatch/math/canonical_start.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/submesh.h"
 
@@ -15,7 +16,7 @@ namespace {
 using RimLoop = std::vector<Index>;
 
 /// Rings whose vertices are looked at where the rim alone does not tell its beginnings apart, before all that is known is.
-constexpr int near_rings = 2;
+constexpr int near_rings = count::pair;
 /// Vertices next to beginnings that are looked at so, at most: 0.3 s. Where there are more only those of so many rings as that allows are.
 constexpr Index max_compared = 200'000'000;
 

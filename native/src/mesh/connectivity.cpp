@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -47,7 +48,7 @@ std::vector<char> marked_faces(const FacesRef& faces, std::span<const Index> rep
 
 /// Of the box around a rim: what is looked at next to it at least, so that a surface that bends away is still seen. Nothing but time
 /// depends on it, as long as the rings lie inside.
-constexpr double min_margin = 0.3;
+constexpr double min_margin = share::three_tenths;
 
 /// Vertices in a box around some of them: as wide as they lie apart, and several rings of their edges.
 std::vector<char> vertices_near(const Mesh& mesh, std::span<const Index> vertices, int rings) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/border_loops.h"
 #include "tripatch/mesh/triangles.h"
@@ -14,10 +15,10 @@ namespace tripatch {
 namespace {
 
 /// Of the angle by which a triangle may turn: below the 60 degrees from which on fills count as folded at neighbors.
-constexpr double min_cosine = 0.5;
-constexpr Index min_loop = 8;   ///< vertices that a border loop keeps: a round island is still round
-constexpr int max_levels = 12;  ///< of lengths, each twice the one before
-constexpr Index often = 4096;   ///< vertices between two looks for an interruption
+constexpr double min_cosine = share::half;
+constexpr Index min_loop = count::octet;  ///< vertices that a border loop keeps: a round island is still round
+constexpr int max_levels = count::dozen;  ///< of lengths, each twice the one before
+constexpr Index often = count::portion;   ///< vertices between two looks for an interruption
 
 class Collapsing {
 public:

@@ -6,14 +6,14 @@
 #include <string>
 
 #include "tripatch/math/parallel.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
 
 /// Points that make a thread worth its start of some 0.1 ms: a point over a triangle takes about 0.1 us.
-constexpr Index points_a_thread = 4096;
+constexpr Index points_a_thread = count::portion;
 
 }  // namespace
 

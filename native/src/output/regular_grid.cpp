@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tripatch/math/parallel.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/math/triangular_grid.h"
 #include "tripatch/output/domain_mesh.h"
@@ -14,7 +15,7 @@ namespace {
 
 /// Shapes (1: equilateral) of the grid's worst triangle below which remeshing does better: it reaches 0.2 and more in rims that the grid
 /// squeezes so far (the rims of test_triangulate). In the domain the patch may stretch them back; in space nothing does.
-constexpr double min_shape_in_domain = 0.1, min_shape_in_space = 0.2;
+constexpr double min_shape_in_domain = share::tenth, min_shape_in_space = share::fifth;
 
 /// So many of the grid are worth a thread: each takes some 20 ns.
 constexpr Index grid_points_a_thread = 1500;

@@ -12,7 +12,7 @@
 #include <set>
 
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/output/domain_mesh.h"
 
@@ -21,9 +21,9 @@ namespace {
 
 using VertexPair = std::array<int, 2>;
 
-constexpr int max_sources = 200;  // of rim sizes: longer rims count by runs of edges
-constexpr int max_passes = 60;    // a rim of 10,000 edges needs 25
-constexpr int careful_passes = 2;
+constexpr int max_sources = count::hundreds;  // of rim sizes: longer rims count by runs of edges
+constexpr int max_passes = 60;                // a rim of 10,000 edges needs 25
+constexpr int careful_passes = count::pair;
 constexpr double min_move = 0.03;  // of the size: smaller moves are not worth an evaluation
 
 VertexPair ordered(Index a, Index b) { return {static_cast<int>(std::min(a, b)), static_cast<int>(std::max(a, b))}; }
@@ -105,7 +105,7 @@ public:
       const Vec2 a = p.uv.row(t[0]), b = Vec2(p.uv.row(t[1])) - a, c = Vec2(p.uv.row(t[2])) - a;
       const double twice = (b[0] * c[1] - b[1] * c[0]) * p.unit * p.unit;
       const double longest = std::max({b.norm(), c.norm(), (b - c).norm()}) * p.unit;
-      const int parts = static_cast<int>(std::clamp(std::ceil(longest / (2 * at(a + (b + c) / 3))), 1.0, 6.0));
+      const int parts = static_cast<int>(std::clamp<double>(std::ceil(longest / (2 * at(a + (b + c) / 3))), 1, 6));
       for (int i = 0; i < parts; ++i)
         for (int j = 0; i + j < parts; ++j)
           for (int half = 0; half < (i + j + 1 < parts ? 2 : 1); ++half) {

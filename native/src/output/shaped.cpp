@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "tripatch/math/plane.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/vertex_normals.h"
 #include "tripatch/messages.h"
 #include "tripatch/report/folded_triangles.h"
@@ -25,7 +25,7 @@ constexpr double farthest = 1e6;
 /// Degree of the polynomial that is multiplied by the squared distance from the rim, and its terms.
 constexpr int shape_degree = 4, shape_terms = jet_size(shape_degree);
 /// Places of the domain's bounding box, a side, at which energies are summed up.
-constexpr int shape_grid = 24;
+constexpr int shape_grid = count::dozens;
 
 using Terms = Eigen::Matrix<double, shape_terms, 1>;
 using TermPoints = Eigen::Matrix<double, shape_terms, 3>;

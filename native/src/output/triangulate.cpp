@@ -13,7 +13,7 @@
 
 #include "tripatch/math/canonical_start.h"
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/math/triangular_grid.h"
 #include "tripatch/output/domain_mesh.h"
@@ -24,7 +24,7 @@ namespace {
 
 using Parameters = std::array<std::vector<double>, 3>;
 
-constexpr Index largest_regular = 1000;  // edges per side
+constexpr Index largest_regular = count::quadratic;  // edges per side
 
 void check(const Parameters& parameters) {
   for (const auto& t : parameters) {

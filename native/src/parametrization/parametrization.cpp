@@ -8,7 +8,7 @@
 
 #include "tripatch/math/block_ldlt.h"
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/parametrization/layout_mesh.h"
 #include "tripatch/parametrization/tutte_system.h"
@@ -25,9 +25,9 @@ constexpr double weight_of_filled = 1e-2;
 /// Of the weights of Tutte's embedding, which must be positive. Only where the layout begins depends on it, and on the next four.
 constexpr double min_cotangent = 0.05;
 /// Of the mean edge of the border: shorter ones are that long on the circle of the embedding, where none has no length.
-constexpr double min_border_edge = 1e-2;
+constexpr double min_border_edge = share::hundredth;
 /// Of the embedding. A finger six radii long begins at an energy of 395 without any, 20 with two and 13 with these; it ends at 10.
-constexpr int reweightings = 4;
+constexpr int reweightings = count::several;
 /// Of the energy before: a reweighting that leaves more is the last.
 constexpr double enough_gained = 0.99;
 /// Of a step, until it gains that: after so many it is rounding.
@@ -35,19 +35,19 @@ constexpr int halvings = 40;
 /// A step of Newton's that leaves more than rounding is refined, so many times at most. Next to thin triangles the matrix has
 /// lost the digits of how they move as a whole, and later steps enlarge the rounding of a step up to a million times. On meshes
 /// stretched by 1000 two refinements leave 1e-13; others need none, or one.
-constexpr int max_refinements = 4;
+constexpr int max_refinements = count::several;
 /// Of what was left before: more, and it is the rounding of what is left itself.
-constexpr double still_refines = 0.5;
+constexpr double still_refines = share::half;
 /// Energy of a start from which the way to the end is long: rounding grows on it up to a million times, and stays where it is left early. To the
 /// end of such layouts the tolerance is smaller, and there are so many times more steps. Of 1,658 layouts in even, bumpy and
 /// noisy meshes 2% begin with more, of 155 in known surfaces and scanned meshes none.
-constexpr double hard = 100;
+constexpr double hard = factor::extreme;
 constexpr int hard_iterations = 5;
 /// Of the energy before: steps that take less, of such a layout, are made with the Hessian as it is, where that is definite. Without its
 /// indefinite parts the last steps each leave a part of what was left: 120 of them end where 200 did not.
-constexpr double near_its_end = 0.1;
+constexpr double near_its_end = share::tenth;
 /// Of the way to where the first triangle loses its area: as far as a step goes. With 0.54 of it 72 fills (reference.cpp) are 1.5% farther.
-constexpr double to_barrier = 0.9;
+constexpr double to_barrier = share::nearly_all;
 
 /// A triangle in space: gradients of its three hat functions in its own plane, and its share of the energy.
 struct Shape {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/unit_vector.h"
 #include "tripatch/patch/ray_weights.h"
 #include "tripatch/patch/side_fields.h"
@@ -270,8 +270,8 @@ private:
       const Pack over = 1.0 / (cube[1] * cube[2] + cube[0] * (cube[1] + cube[2]));
       for (int i = 0; i < 3; ++i) slope[i] = 3.0 * square[i] * (cube[(i + 1) % 3] + cube[(i + 2) % 3]);
       interior(b[0] - 1.0 / 3, b[1] - 1.0 / 3, sum);
-      const Pack g = 27.0 * (b[0] * b[1] * b[2]), bubble = g * g;
-      const Pack of_bubble[2] = {54.0 * g * (b[1] * (b[2] - b[0])), 54.0 * g * (b[0] * (b[2] - b[1]))};
+      const Pack g = 27 * (b[0] * b[1] * b[2]), bubble = g * g;
+      const Pack of_bubble[2] = {54 * g * (b[1] * (b[2] - b[0])), 54 * g * (b[0] * (b[2] - b[1]))};
       for (int x = 0; x < 3; ++x) {
         const Pack across = over * (1.0 / 3) * bent.value[x];
         for (int d = 0; d < 2; ++d)
@@ -395,7 +395,7 @@ const PointFormula::Kernel* PointFormula::kernel() const {
 }
 
 bool PointFormula::is_worth(Index points) const {
-  constexpr Index many = 1000;  // what a formula for sides of a hundred pieces takes to be made, it saves then
+  constexpr Index many = count::quadratic;  // what a formula for sides of a hundred pieces takes to be made, it saves then
   return points >= many && has_packs() && kernel();
 }
 

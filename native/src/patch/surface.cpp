@@ -9,7 +9,7 @@
 
 #include "tripatch/math/linear.h"
 #include "tripatch/math/parallel.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/unit_vector.h"
 #include "tripatch/patch/point_formula.h"
 
@@ -22,7 +22,7 @@ template <class F>
 void in_blocks(Index n, int order, const F& f) {
   constexpr std::array<Index, max_order + 1> worth_a_thread = {400, 200, 100, 50,
                                                                25};  // some 0.05 us a point without derivatives
-  constexpr Index block = 256;
+  constexpr Index block = count::block;
   const Index share = worth_a_thread[std::clamp(order, 0, max_order)];
   check_interruption();
   if (n < 2 * share) return f(0, n);

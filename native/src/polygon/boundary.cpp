@@ -10,13 +10,14 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/places.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
 namespace {
 
 /// Degrees by which a rim turns back on itself: which way it turns there is rounding, and it counts as convex.
-constexpr double turned_back = 179;
+constexpr double turned_back = angle::reversed;
 
 double size_of(const SideList& sides) {
   std::vector<Vec3> points;
@@ -130,7 +131,7 @@ SideList closed(SideList sides) {
   for (int k = 0; k < n; ++k) {
     const int before = (k + n - 1) % n;
     const Vec3 end = sides[before].c(1), start = sides[k].c(0);
-    if (!((end - start).norm() <= sides_meet * size))
+    if (!((end - start).norm() <= tolerance::same * size))
       throw CodedRefusal(Code::sides_apart, {{"first", before}, {"second", k}, {"corner", k}, {"gap", (end - start).norm()}});
     corner[k] = 0.5 * (end + start);
   }

@@ -7,7 +7,7 @@
 
 #include "tripatch/math/linear.h"
 #include "tripatch/math/places.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 #include "tripatch/types.h"
 
@@ -27,7 +27,7 @@ constexpr double widest_corner = 1.8;
 /// A side of the domain is no shorter than this share of the hole's own: else the angles give way.
 constexpr double min_length = 0.4;
 /// Of the mean length: shorter sides of a hole are drawn as long, for their parameters would crowd. A choice.
-constexpr double shortest_side = 0.25;
+constexpr double shortest_side = share::quarter;
 
 /// Lengths as near to those given (relative) as closes a polygon with these turns.
 Eigen::VectorXd closing_lengths(const std::vector<double>& turns, const std::vector<double>& lengths) {

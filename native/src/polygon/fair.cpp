@@ -8,15 +8,15 @@
 #include "tripatch/fairing/folds.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/patch/through.h"
 #include "tripatch/polygon/problem.h"
 
 namespace tripatch {
 namespace {
 
-constexpr int energy_nodes = 8;  ///< a direction, where an energy is only measured
-constexpr int grid_rings = 16;   ///< on which folds are counted: a choice
+constexpr int energy_nodes = count::octet;  ///< a direction, where an energy is only measured
+constexpr int grid_rings = count::places;   ///< on which folds are counted: a choice
 
 /// Vector multiples of the squared bubble times 1, x, y, ...: as many functions as there are conditions.
 class Lift final : public PolygonSurface {
@@ -103,7 +103,7 @@ double weighed_energy(const std::vector<Derivatives>& all, const std::vector<dou
 }
 
 double polygon_size(const Surface& surface, const PolygonDomain& domain) {
-  constexpr int a_side = 16;  // places
+  constexpr int a_side = count::places;  // places
   Points uv = Points::Zero(static_cast<Index>(a_side) * domain.sides(), 3);
   for (Index k = 0; k < uv.rows(); ++k)
     uv.row(k).head<2>() = domain.on_side(static_cast<int>(k) / a_side, static_cast<double>(k % a_side) / a_side);
@@ -185,7 +185,7 @@ SurfacePtr lift_to(const SurfacePtr& patch, const PolygonDomain& domain, const s
         for (int k = 1; k <= 2; ++k) add(k, *p.normal, 0);
     }
     const Eigen::MatrixXd x = least_squares(rows, right), met = rows * x;
-    if (!x.allFinite() || (met - right).norm() > points_met * size) throw CodedRefusal(Code::points_in_one_place);
+    if (!x.allFinite() || (met - right).norm() > tolerance::same * size) throw CodedRefusal(Code::points_in_one_place);
     for (int c = 0; c < 3; ++c) coefficients.col(c) += x.col(0).segment(c * count, count);
     lift = std::make_shared<Lift>(domain, degree, coefficients);
     out = sum(patch, lift);

@@ -7,15 +7,16 @@
 
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/polygon/space.h"
 
 namespace tripatch {
 namespace {
 
-constexpr int newton_steps = 4;                            ///< from where the patch was about to pass the points: a choice
-constexpr int follow_degree = 6, follow_second_cross = 4;  ///< more than the points of the coarsest layouts can tell apart
-constexpr Index points_a_look = 256;                       ///< between two looks whether the work is to end: some milliseconds
+constexpr int newton_steps = count::several;  ///< from where the patch was about to pass the points: a choice
+constexpr int follow_degree = count::half_dozen,
+              follow_second_cross = count::several;  ///< more than the points of the coarsest layouts can tell apart
+constexpr Index points_a_look = count::block;        ///< between two looks whether the work is to end: some milliseconds
 
 }  // namespace
 

@@ -10,7 +10,7 @@
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/quadrature.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -18,17 +18,17 @@ namespace {
 
 /// For arc length along a piece: the speed of a cubic that doubles several times is even to 3e-11 with so many nodes, with half of them
 /// to 5e-7; of the rounds half would do.
-constexpr int length_nodes = 12, newton_rounds = 6;
+constexpr int length_nodes = count::dozen, newton_rounds = count::half_dozen;
 /// Where a curve ends without speed Newton's steps only halve what is left: the halvings behind them.
-constexpr int halvings = 50;
+constexpr int halvings = count::halvings;
 /// To which a parameter is known: pieces of a side with kinks are so short that its last digit is more than that part of their length.
 constexpr double parameter_rounds = 4 * std::numeric_limits<double>::epsilon();
 
 /// A side whose speed falls below this share of its length somewhere is run through by length: the derivative across it that its ends
 /// ask for counts in its speed. Between three and four sides of spheres and saddles, one of which slows down evenly, patches are up to
 /// 1e-5 of the size off from 0.3 on, 1e-4 at 0.1, the size itself at 0.01 and ten thousand times the size at 0.0001.
-constexpr double min_speed = 0.25;
-constexpr int speed_places = 64;  ///< where speeds are looked at; the ends are two of them
+constexpr double min_speed = share::quarter;
+constexpr int speed_places = count::many_places;  ///< where speeds are looked at; the ends are two of them
 /// The logarithm of a side's speed may change at this rate (over the whole side) at most, else all sides of a patch are run through by
 /// length. Of 29 faces of CAD files, with the faces' own planes, the 18 with faster sides came 0.4 to 290 times as near by length, 3.4 times
 /// in the geometric mean; quadrangles on known surfaces between lines of their charts, which are slower, 0.9 times.
@@ -63,7 +63,7 @@ Digits digits_of_kinked(double width) {
   return {tolerance::rounding, tolerance::solved, tolerance::solved, std::max(2, 9 + std::ilogb(width)), 2, false};
 }
 
-constexpr int fit_degree = 9;  ///< of the fits: the usual one
+constexpr int fit_degree = count::degree;  ///< of the fits: the usual one
 
 /// Arc length along a part of a side on which it is a polynomial.
 class Stretch {
@@ -133,7 +133,7 @@ private:
 
 void check_joint(const Side& before, const Side& after, std::size_t k, double length) {
   const double gap = (after.c(0) - before.c(1)).norm();
-  if (!(gap <= sides_meet * length)) throw CodedRefusal(Code::pieces_apart, {{"first", k}, {"second", k + 1}, {"gap", gap}});
+  if (!(gap <= tolerance::same * length)) throw CodedRefusal(Code::pieces_apart, {{"first", k}, {"second", k + 1}, {"gap", gap}});
   const double turn = degrees_between(before.c.derivative_at(1), after.c.derivative_at(0)),
                plane = degrees_between(before.normal(1), after.normal(0));
   if (turn > still_smooth || plane > still_smooth)

@@ -7,7 +7,7 @@
 #include "tripatch/boundary/smoothed.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/lru_cache.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/patch/seam.h"
 #include "tripatch/polygon/joined.h"
 #include "tripatch/polygon/of_three.h"
@@ -26,8 +26,8 @@ std::vector<T> each(const std::vector<T>& given, int n, const T& otherwise, cons
 /// Four sides, one of which is longer than another by this factor, are a strip, as a fillet is: what happens along it needs more
 /// nodes and coefficients. Of the strips among the faces of seven CAD files, 4 to 90 times as long as wide, the worst came to 7e-4 of
 /// the diameter with them, 7e-3 without; where sides differ by less they change next to nothing.
-constexpr double strip_ratio = 3;
-constexpr int strip_nodes = 12, strip_rough_nodes = 8, strip_waves = 6;
+constexpr double strip_ratio = factor::strong;
+constexpr int strip_nodes = count::dozen, strip_rough_nodes = count::octet, strip_waves = count::half_dozen;
 
 bool is_strip(const PolygonDomain& domain) {
   if (domain.sides() != 4) return false;
@@ -125,7 +125,7 @@ void measure_seam(const SideList& given, PolygonPatch& made) {
 
 /// Where the patch comes nearest to a point: Gauss-Newton from the nearest place of a grid, kept off the border.
 Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3& point) {
-  constexpr double min_share = 0.02;  // of the radius, from each side: what is added vanishes there
+  constexpr double min_share = share::trace;  // of the radius, from each side: what is added vanishes there
   const Points grid = polygon_grid(domain, 12);
   const Points at = patch.positions(grid);
   Index best = 0;
@@ -144,7 +144,7 @@ Vec2 nearest_place(const Surface& patch, const PolygonDomain& domain, const Vec3
     if (share <= tolerance::slight) break;
     place += share * move;
   }
-  while (!inside(place)) place += 0.1 * (domain.center() - place);
+  while (!inside(place)) place += share::tenth * (domain.center() - place);
   return place;
 }
 

@@ -7,7 +7,7 @@
 #include "tripatch/fairing/folds.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/places.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 #include "tripatch/patch/seam.h"
 #include "tripatch/polygon/joined.h"
@@ -18,11 +18,11 @@ namespace tripatch {
 namespace {
 
 /// Energies are measured on a rim without shorter waves: third derivatives of what a mesh says of them are noise.
-constexpr int measured_waves = 12;
+constexpr int measured_waves = count::dozen;
 /// Places on the disc at which a patch is looked at: choices.
-constexpr int round_fold_rings = 16, round_fold_angles = 64;
+constexpr int round_fold_rings = count::places, round_fold_angles = count::many_places;
 constexpr int energy_nodes_round =
-    8;  ///< along the radius; with half as many the energy over an uneven rim is 1% off, twice as many change 1e-6
+    count::octet;  ///< along the radius; with half as many the energy over an uneven rim is 1% off, twice as many change 1e-6
 
 /// Of waves round the circle at t.
 Vec3 at_turn(const Harmonic& waves, double t) {
@@ -47,7 +47,7 @@ double rim_diameter(const PiecewisePolynomial& c) {
 
 void check_round(const Side& side, double size) {
   if (!(size > 0)) throw CodedRefusal(Code::sides_without_length);
-  if ((side.c(1) - side.c(0)).norm() > sides_meet * size) throw CodedRefusal(Code::single_side_open);
+  if ((side.c(1) - side.c(0)).norm() > tolerance::same * size) throw CodedRefusal(Code::single_side_open);
   if (degrees_between(side.c.derivative_at(1), side.c.derivative_at(0)) > still_smooth ||
       degrees_between(side.normal(1), side.normal(0)) > still_smooth)
     throw CodedRefusal(Code::single_side_has_corner);
@@ -265,7 +265,7 @@ RoundPatch round_made(const Side& side, const PolygonPatchOptions& options, cons
 /// Where the patch comes nearest to a point: Gauss-Newton from the nearest place of a grid, kept off the rim.
 Vec2 nearest_in_disc(const Surface& patch, const Vec3& point) {
   constexpr double farthest_out = 0.98;  // what is added vanishes at the rim
-  constexpr int rings = 12, angles = 36;
+  constexpr int rings = count::dozen, angles = rings * 3;
   Points grid = Points::Zero(1 + rings * angles, 3);
   for (int k = 0; k < rings * angles; ++k) {
     const int ring = k / angles + 1;

@@ -11,13 +11,14 @@
 #include "tripatch/math/linear.h"
 #include "tripatch/math/places.h"
 #include "tripatch/math/quadrature.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 #include "tripatch/patch/through.h"
 
 namespace tripatch {
 namespace {
 
-constexpr int round_orthonormal_nodes = 8;  ///< with 5 and with 16 an uneven rim's fill is the same to 1e-9
+constexpr int round_orthonormal_nodes = count::octet;  ///< with 5 and with 16 an uneven rim's fill is the same to 1e-9
 
 /// (1 - r^2)^2 times (1 - r^2)^j Re z^k and Im z^k, by rising degree 2 j + k.
 template <int N>
@@ -150,7 +151,7 @@ std::vector<Harmonic> terms_through(std::vector<Harmonic> terms, const std::vect
   for (int round = 0; round < 2; ++round) {  // a second time for the last digits
     const Eigen::MatrixXd lacking = wanted - conditions_on(RoundSurface(terms), points), x = least_squares(rows, lacking);
     const Eigen::MatrixXd met = rows * x;
-    if (!x.allFinite() || (met - lacking).norm() > points_met * size) throw CodedRefusal(Code::points_in_one_place);
+    if (!x.allFinite() || (met - lacking).norm() > tolerance::same * size) throw CodedRefusal(Code::points_in_one_place);
     Points coefficients(count, 3);
     for (int c = 0; c < 3; ++c) coefficients.col(c) = x.col(0).segment(c * count, count);
     terms = sum_of(std::move(terms), round_terms(coefficients, degree));

@@ -4,13 +4,14 @@
 
 #include "tripatch/math/lru_cache.h"
 #include "tripatch/math/quadrature.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/patch/side_weights.h"
 
 namespace tripatch {
 namespace {
 
 /// Nodes of the quadrature in which functions are made orthonormal: the same for problems of few and of many nodes.
-constexpr int orthonormal_nodes = 6;
+constexpr int orthonormal_nodes = count::half_dozen;
 
 class Correction final : public CornerSafeSurface<Correction> {
 public:

@@ -4,6 +4,7 @@
 #include <memory>
 #include <numbers>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/patch/side_weights.h"
 
 namespace tripatch {
@@ -26,10 +27,10 @@ PiecewisePolynomial hermite(const std::array<Vec3, 2>& value, const std::array<V
 
 /// Of the longer derivative along the two sides at a corner: a larger twist is that of a hook, a side that turns within a small part of
 /// its length, and says nothing of the patch away from it.
-constexpr double max_twist = 4;
+constexpr double max_twist = factor::large;
 /// What is left of it then dies away along the side so fast that it comes to this share of that derivative, or as fast as this degree
 /// lets it.
-constexpr double max_left = 0.2;
+constexpr double max_left = share::fifth;
 constexpr int fastest_degree = 40;
 
 /// Where the two sides at a corner twist by a and b, one of which may hook there: then nearer to the lesser, at most twice as much.

@@ -8,6 +8,7 @@
 
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/lru_cache.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/quads/quad_growth.h"
 #include "tripatch/quads/spread.h"
@@ -16,27 +17,27 @@ namespace tripatch {
 namespace {
 
 /// What is walked at most in trying: some milliseconds.
-constexpr Index max_work = 1'000'000;
+constexpr Index max_work = count::million;
 /// Of a rim. The work for each quad grows with the edges of its front, and there are as many as the square of these: a fifth of a second.
-constexpr Index max_edges = 1000;
+constexpr Index max_edges = count::quadratic;
 // Reported of 400 outlines is of ellipses and lobes of 6 to 29 edges that want corners at random: how many of them get a layout whose
 // least scaled Jacobian is 0.05 lower, and how many one that is 0.05 higher, or none and one.
 /// Quads in a rim of n edges, at most: n^2 over this, and four. Between four corners n^2 / 16 grow, between two n^2 / 8, on a ring of quads
 /// n^2 / 16 + n, which is as many at 8 edges; a front that turns by less never closes. Of 2,000 ellipses and lobes of 6 to 29 edges 220 change
 /// with 12, one with 4.
-constexpr Index squared_edges_a_quad = 8, few_quads = 4;
+constexpr Index squared_edges_a_quad = count::octet, few_quads = count::several;
 /// Poles that are planned, inside or on the rim; one more may follow from where a front closes. With two 113 of 400 lower, 1 higher; with four
 /// 5 and 71.
-constexpr int max_planned = 3;
+constexpr int max_planned = count::few;
 /// Of a plane layout: with a larger least scaled Jacobian no more poles are tried. With 0.2 17 of 400 lower, with 0.45 17 higher.
-constexpr double good = 0.3;
+constexpr double good = share::three_tenths;
 /// Of the logarithm of how many faces there are against squares of the rim's edges. A choice: a third more cost as much as a pole and a half.
-constexpr double crowding_price = 0.1;
+constexpr double crowding_price = share::tenth;
 /// Of the layouts with as many poles, the best as they are embedded: those that are smoothed and compared. With two 5 of 400 lower, with eight
 /// 4 higher.
-constexpr std::size_t max_smoothed = 4;
+constexpr std::size_t max_smoothed = count::several;
 /// Of those that are embedded, with as many poles. With 12 38 of 400 lower, 7 higher; with 48 6 and 39.
-constexpr std::size_t max_embedded = 24;
+constexpr std::size_t max_embedded = count::dozens;
 
 /// A pole that is planned: on the rim, where a quad more or less than wanted is taken, or inside.
 struct PlannedPole {
@@ -46,7 +47,7 @@ struct PlannedPole {
 };
 
 /// Ways to turn the four corners of a round front that are tried: of a rim of up to 62 edges all. A choice.
-constexpr std::size_t max_turns = 16;
+constexpr std::size_t max_turns = count::places;
 
 struct GrownCandidate {
   PlaneLayout layout;
@@ -247,8 +248,8 @@ private:
 
 /// Of the way from a vertex of the rim to the middle of the faces there: where the innermost of the rings begins, before they are smoothed.
 /// A choice.
-constexpr double rings_reach = 0.5;
-constexpr int sweeps_of_rings = 20;  ///< a choice: what follows smooths on
+constexpr double rings_reach = share::half;
+constexpr int sweeps_of_rings = count::sweeps;  ///< a choice: what follows smooths on
 
 }  // namespace
 

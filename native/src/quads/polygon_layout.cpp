@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "tripatch/math/lru_cache.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/quads/quad_builder.h"
 #include "tripatch/quads/row_widths.h"
@@ -19,18 +19,18 @@ namespace {
 
 constexpr std::size_t subsets_tried = 10;  ///< choices of corners for which the integers are sought
 /// With each number of corners, embedded, smoothed and measured: of a rim of few edges more, as there it costs little.
-constexpr std::size_t layouts_tried = 2, layouts_of_many_tried = 1;
+constexpr std::size_t layouts_tried = count::pair, layouts_of_many_tried = 1;
 /// Of a rim: of more one layout is tried. Of 60 outlines of three to eight sides in 100 edges nine take the second, whose least scaled
 /// Jacobian is 0.05 higher in their mean; it costs as much as the first, half a thousand quads and more.
-constexpr Index many_edges = 100;
+constexpr Index many_edges = count::hundred;
 constexpr Index max_round_starts = 32;  ///< places of a round rim from which a grid's corners are counted
 constexpr Index edges_a_ring = 20;  ///< of a round rim: rings that are as wide as these would leave the grid's corners regular
 /// Cuts are sought at about so many places of a side, then moved edge by edge.
-constexpr Index places_on_side = 8;
+constexpr Index places_on_side = count::octet;
 constexpr double flat_angle_cost = 20;  ///< of a coarse corner that is straight or turned over: 1 / sin of 3 degrees
 /// What a quad too many or too few at a corner costs, next to the angles' 1 / sin - 1: as much as an angle of 56 degrees. And what each
 /// corner costs that makes more or less than four.
-constexpr double wrong_valence = 0.2, pole_expected = 0.1;
+constexpr double wrong_valence = share::fifth, pole_expected = share::tenth;
 
 double cost_of_sine(double sine) { return sine > 1 / flat_angle_cost ? 1 / sine - 1 : flat_angle_cost - 1; }
 double cost_of_angle(double angle) { return angle < std::numbers::pi ? cost_of_sine(std::sin(angle)) : flat_angle_cost - 1; }
@@ -374,7 +374,7 @@ std::vector<Choice> choices_of(const Region& region, const std::vector<RimCorner
 /// Extra rows with which layouts are tried; with more, what was the fairest with these is taken. Of 292 outlines of three to
 /// seven sides of 2 to 8 edges, half are laid out otherwise than if they were chosen with four rows. The least sine is less by
 /// .003 in the mean and by .05 at most (.004 and .05 with one; .019 where two rows are chosen with one).
-constexpr int max_rows_of_trials = 2;
+constexpr int max_rows_of_trials = count::pair;
 
 /// The plan of the fairest layout, and that one, of these rows.
 struct Chosen {

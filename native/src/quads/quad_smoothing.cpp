@@ -8,7 +8,7 @@
 
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/simd.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/quads/corner_costs.h"
 #include "tripatch/quads/row_widths.h"
 
@@ -22,23 +22,23 @@ using namespace corner_costs;
 /// Of the shortest edge at a vertex: no step is longer, beyond it the surface's second order says little (0 with half).
 constexpr double longest_step = 0.4;
 /// Of the larger eigenvalue of a Hessian: where the smaller one is less it becomes that share (0 with a tenth, 0 with half).
-constexpr double made_convex = 0.1;
-constexpr int halvings = 6;  ///< of a Newton step that makes things worse, before it is left out (0 with three)
+constexpr double made_convex = share::tenth;
+constexpr int halvings = count::half_dozen;  ///< of a Newton step that makes things worse, before it is left out (0 with three)
 /// Between two evaluations of the surface, whose second order is good for small moves (5e-5 with two).
 constexpr int sweeps_a_metric = 5;
 /// Of the shortest edge at a vertex: one that is no farther from where the surface was evaluated is not evaluated again.
-constexpr double near_enough = 0.05;
+constexpr double near_enough = share::little;
 
 /// As sweeps of a cover, but of what is only compared: half of them take the same layouts of four to six sides of a saddle.
-constexpr int sweeps_of_trials = 4, angles_of_trials = 5;
+constexpr int sweeps_of_trials = count::several, angles_of_trials = 5;
 /// What an irregular vertex may cost the least scaled Jacobian: below that one more is not worth it.
-constexpr double pole_price = 0.02, mean_weight = 0.3;
+constexpr double pole_price = share::trace, mean_weight = share::three_tenths;
 
 /// Over all vertices inside: on the surface, then for the least angle. With half and twice of the first vertices of quads between four to six
 /// sides of a wavy saddle move by up to 1e-3 and 2e-4 of the diameter, of the second by 9e-3 and 4e-3.
-constexpr int sweeps_on_surface = 10, sweeps_of_angles = 20;
+constexpr int sweeps_on_surface = 10, sweeps_of_angles = count::sweeps;
 /// These again, while an angle is no good and becomes better. A choice.
-constexpr int max_rounds = 6;
+constexpr int max_rounds = count::half_dozen;
 
 /// Moves vertices one after the other.
 class Smoother {

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/report/one_to_one.h"
 
@@ -74,7 +74,7 @@ public:
   }
 
 private:
-  static constexpr Index few = 4;
+  static constexpr Index few = count::several;
 
   struct Node {
     Bounds bounds;

@@ -10,7 +10,7 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/parallel.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/math/unit_vector.h"
 #include "tripatch/mesh/vertex_normals.h"
@@ -24,7 +24,7 @@ namespace {
 /// degrees 23, with 110 and 120 degrees 28, and 64 if no face counts as flipped.
 constexpr double turned_degrees = 100;
 /// Of the areas of faces: so long is their vector area where they tell a side. A bound: of two halves at a right angle it is .7.
-constexpr double agree = 0.5;
+constexpr double agree = share::half;
 
 /// use(its corners) for each triangle of faces that are cut into fans.
 template <class Use>
@@ -184,7 +184,7 @@ bool surely_unfolded(const PointsRef& vertices, const PointsRef& added, const Fa
       if (face.normal.dot(way) < 0) way = -way;
       break;
     }
-  constexpr double clearly = 1 + 1e-9;  // a million times what rounding does to unit vectors
+  constexpr double clearly = tolerance::solved + 1;  // a million times what rounding does to unit vectors
   const double cosine = std::cos(folded_degrees / 2 * std::numbers::pi / 180), least = clearly * cosine * cosine;
   const auto leans_little = [&](const Vec3& normal) {
     const double along = normal.dot(way);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "tripatch/math/angle.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/patch/seam.h"
 #include "tripatch/report/crossings.h"
@@ -15,7 +15,7 @@ namespace tripatch {
 namespace {
 
 /// Degrees between the tangent planes of two sides at their corner from which on a user reads of it.
-constexpr double corner_mismatch_warned = 1;
+constexpr double corner_mismatch_warned = angle::flat;
 
 /// Barycentric coordinates of side i at parameters t.
 Points places_on_side(int i, const std::vector<double>& t) {
@@ -49,7 +49,7 @@ void tell_corners(Report& report) {
 }
 
 void tell_gap(double size, Report& report) {
-  if (!(report.boundary_gap > sides_meet * size)) return;
+  if (!(report.boundary_gap > tolerance::same * size)) return;
   report.continuity.assign(report.continuity.size(), SeamContinuity::none);
   report.warnings.push_back({Code::misses_boundary, {{"gap", report.boundary_gap}}});
 }

@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <numeric>
 
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
 namespace {
 
 /// Below this share of the second model it is not worth its time: half and twice of it change 8 of 84 fills, all together by less than 1%.
-constexpr double min_share_of_second = 0.1;
+constexpr double min_share_of_second = share::tenth;
 /// A field that somewhere is this many diameters of the hole from the triangles that bend least, though there are details that no polynomial
 /// explains, has overshot, as at the end of a fillet: between the bevels of cylinders it made funnels. Not one whose noise is this share
 /// of an edge: that knows little and runs nowhere. Of 500 holes in 25 meshes made by Blender's tools, and the same cut into triangles, 8
 /// are so far off; the triangles that bend least are 2.5 to 16 times nearer on three of them and a third farther at worst. From 0.13
 /// on it is the same; with all noises some are 4 times farther.
-constexpr double far_from_least_bent = 0.2, little_noise = 0.15;
+constexpr double far_from_least_bent = share::fifth, little_noise = 0.15;
 /// The field that carries the difference over all of the hole: its order, and of how many points at most it is made; of half as many
 /// 7 of 84 fills change, by 0.1% together.
 constexpr double order_of_difference = 2.5;

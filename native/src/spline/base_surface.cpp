@@ -8,7 +8,7 @@
 
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/linear.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
@@ -17,14 +17,14 @@ namespace {
 // an edge: in the mean they come 0.1% farther at most.
 /// Of Newton's method on a smooth polynomial; tried: the last of them moves nothing by more than rounding. More would tell points that
 /// lie between two feet, as at corners of boxes, to the side that rounding chooses.
-constexpr int steps = 8;
+constexpr int steps = count::octet;
 /// What the curvature leaves of the squared distance's own bend, at least: steps are no longer than five of Gauss and Newton's.
-constexpr double min_bend = 0.2;
+constexpr double min_bend = share::fifth;
 /// Times the radius of curvature: farther off on the inner side a sample has no foot nearby, and stays where it is. In meshes stretched by 1000
 /// what rounding does to places grew 400 times by steps from there. Of 106 known and real holes one changes, by 4%.
 constexpr double farthest_bent = 30;
 /// Of the plane's extent: no step is longer, for the polynomial is known no farther around.
-constexpr double longest_step = 0.1;
+constexpr double longest_step = share::tenth;
 
 int size_of(int degree) { return (degree + 1) * (degree + 2) / 2; }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numbers>
 
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/decimated.h"
 #include "tripatch/spline/completed_fill.h"
 #include "tripatch/spline/field_around.h"
@@ -16,10 +16,10 @@ namespace {
 /// with rims of 500 to 5,000 edges, 45 to 80 degrees wide, are farther off with 160, and with 240 the field takes the layout's errors for
 /// noise now and then. But where the surroundings are narrow so many more that there are three rows of triangles: of caps and waves with
 /// rims of 4,000 edges, 40 rings of faces wide, the fills were 2 to 30 times farther off.
-constexpr double edges_of_circle = 200, max_edges_of_circle = 350, min_rows = 3;
+constexpr double edges_of_circle = 200, max_edges_of_circle = 350, min_rows = count::few;
 /// Surroundings that reach less far than this share of such an edge say too little then: of those caps with 5,000 edges, of which ten of
 /// them are seen, one is four times farther off than seen from above.
-constexpr double min_width = 0.75;
+constexpr double min_width = share::most;
 /// Of a field fitted to more: with 600 and 200 caps and waves are as far off, with 100 some are farther.
 constexpr Index max_centers = 300;
 

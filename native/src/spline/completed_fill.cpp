@@ -4,14 +4,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/spline/averaged_models.h"
 
 namespace tripatch {
 namespace {
 
 /// Places at the rim where the slope's deviation is looked at: it is a mean over them, which is only told.
-constexpr Index slopes = 24;
+constexpr Index slopes = count::dozens;
 
 /// Places one edge inside the rim.
 PlanePoints inside_rim(const Attempt& result, const PlaneRim& rim) {

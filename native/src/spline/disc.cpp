@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/submesh.h"
 #include "tripatch/triangulation/plane_triangles.h"
@@ -19,7 +19,7 @@ namespace {
 /// one. At 0.7 half a ball keeps what lies next to its rim, and a limb without its end some of its length.
 constexpr double min_border = 0.7;
 /// Rings that are taken whatever their border: their slope is what a fill has to continue.
-constexpr int min_rings = 2;
+constexpr int min_rings = count::pair;
 
 class Growth {
 public:

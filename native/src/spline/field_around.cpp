@@ -5,13 +5,13 @@
 #include <utility>
 
 #include "tripatch/math/linear.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
 
 /// Gauss-Newton's, to feet on a surface: they move by this share of its domain at most.
-constexpr double longest_step_to_feet = 0.02;
+constexpr double longest_step_to_feet = share::trace;
 /// Vertices that a field is fitted to next to its centers: the time grows with their number, noise is averaged over them.
 constexpr Index max_fitted = 4000;
 

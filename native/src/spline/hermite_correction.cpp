@@ -5,7 +5,7 @@
 #include <ranges>
 
 #include "tripatch/math/decompositions.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -18,9 +18,9 @@ using Eigen::VectorXd;
 constexpr int kernel_power = 5;
 constexpr double sign = -1;  // with which it is definite
 /// Of longer rims every second vertex, or third: the time grows with the cube of their number.
-constexpr Index max_of_rim = 200;
+constexpr Index max_of_rim = count::hundreds;
 /// Share of the domain's size that places keep from its border, where nothing is added.
-constexpr double min_margin = 0.02;
+constexpr double min_margin = share::trace;
 
 /// Monomials up to degree 2, or their derivatives by one coordinate.
 MatrixXd monomials(const PlanePoints& c, int axis) {

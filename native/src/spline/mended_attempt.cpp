@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/output/domain_mesh.h"
 #include "tripatch/spline/averaged_models.h"
 #include "tripatch/spline/minimize_bending.h"
@@ -16,7 +16,7 @@ namespace {
 /// Of the area of few triangles, and of how many fine ones that asks for: a field whose fine ones have more of both folds between the few.
 /// Of 18 fills of rims of 220 to 370 edges those that served had 1.00 to 1.02 times the area and 0.6 to 1.4 times the triangles; seven
 /// that folded avoidably had 1.6 to 40 and 2.9 to 6.
-constexpr double more_area = 1.4, more_triangles = 2;
+constexpr double more_area = 1.4, more_triangles = factor::clear;
 
 /// Of triangles as fine as the rim, by the few.
 MostTriangles max_triangles_on(const Attempt& few, double edge) {
@@ -31,7 +31,7 @@ struct Bends {
 };
 
 /// Triangles of which bending more takes no time.
-constexpr std::size_t few_to_bend = 100;
+constexpr std::size_t few_to_bend = count::hundred;
 
 /// Whether triangles that bend least fold so much that other orders do as well: it is their layout that is wrong.
 bool is_hopeless(const PlaneRim& rim, const Attempt& bent) {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 #include "tripatch/parametrization/parametrization.h"
 #include "tripatch/report/crossings.h"
@@ -28,13 +28,13 @@ constexpr Index more_where_clear = 450;
 /// Energy of a layout, 4 where nothing is deformed, from which on it is none. Of 1,658 layouts of random holes in even, bumpy and noisy meshes the
 /// worst has 35, of 155 of known surfaces and scanned meshes 14. In meshes stretched by up to 1000 one of six has more, up to 1e9: fills over it
 /// fold or are as far off as those of the next way, and where forty steps from there end rounding chooses.
-constexpr double max_deformed = 100;
+constexpr double max_deformed = factor::extreme;
 /// The layout of a strongly curved hole is that of its fill: what the fill errs, the layout errs, and with it the next fill. Where a
 /// layout changes the area by this share of what the one before changed it, errors add up to 1 / (1 - share) of themselves; of more
 /// than this share it is not believed.
-constexpr double max_fed_back = 0.75;
+constexpr double max_fed_back = share::most;
 /// Cosine, of what surrounds long rims that are seen from above.
-constexpr double max_leaning = 0.5;
+constexpr double max_leaning = share::half;
 /// Fills of shorter rims with more triangles than this, as none in a flat round hole has, have so few in layouts too: where the field runs
 /// away they are many, and take seconds to lay out and to bend.
 constexpr std::size_t max_in_layouts = 30'000;
@@ -47,12 +47,12 @@ constexpr int free_degree = 6;
 /// go. Of 216 holes in 25 scanned and modelled meshes they leave fills 3% nearer; 6 alone 1%, and two rings are too few for either. Not with
 /// the fill in the layout: half a ball under noise is twice as far off with them. Nor of long rims and strips, which are strongly curved.
 constexpr std::array<int, 3> further_degrees = {6, 6, 5};
-constexpr int rings_for_further = 3;
+constexpr int rings_for_further = count::few;
 /// Where the noise is this share of an edge, or more, the fill is not known well enough to be worth it (as in field.cpp).
 constexpr double too_rough = 0.03;
 /// Where there is noise of this share of an edge or more on a surface without details, twice as far is nearer by a tenth: without noise
 /// there is nothing to average, and beyond details the surface is another.
-constexpr double min_noise = 0.003, noisy_reach_share = farthest_reach;
+constexpr double min_noise = noise::some, noisy_reach_share = farthest_reach;
 
 /// The surface at the middles of some triangles and of their edges: a look at it before it is triangulated.
 Points looked_at(const PolyharmonicSpline& field, const PlanePoints& uv, const Triangles& triangles) {

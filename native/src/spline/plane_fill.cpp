@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/report/crossings.h"
 #include "tripatch/spline/averaged_models.h"
 #include "tripatch/spline/coarser_rim.h"
@@ -14,7 +14,7 @@ namespace tripatch {
 namespace {
 
 /// Vertices of a fill times those of its rim: where there are more, fewer triangles are bent by themselves, of which each try takes 0.2 s there.
-constexpr Index max_bent = 1'000'000;
+constexpr Index max_bent = count::million;
 /// Of the rim's diameter: half of its edges are longer, or none of what follows is tried. In a ball, a torus and a flat grid with vertices
 /// pulled far out of the rim surfaces were laid out down to 5e-10 and none from 1e-10 on, after up to seven seconds.
 constexpr double min_edge = 2e-10;

@@ -10,7 +10,7 @@
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/dense_kernels.h"
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/spline/contrasts.h"
 
 namespace tripatch {
@@ -32,25 +32,25 @@ using Eigen::VectorXd;
 
 /// So many samples decide on order and nugget: the time grows with their cube, and more changed the choice in none of some hundred
 /// holes that were tried.
-constexpr Index deciding_samples = 160;
+constexpr Index deciding_samples = count::cubic;
 /// Nuggets that are tried, over the mean eigenvalue of the kernel: decades, from rounding to a field that is all noise.
 constexpr double lowest_nugget = -14, highest_nugget = 4, nugget_step = 0.5;
 /// A nugget up to here is rounding: the samples are met.
 constexpr double exact_nugget = -12.5;
 /// Logarithms of likelihoods are divided by this share of the number of samples before orders are averaged: neighboring samples of
 /// a real surface tell much the same. Measured on 37 known surfaces with noise and 35 holes of scanned and modelled meshes.
-constexpr double tempering = 0.1;
+constexpr double tempering = share::tenth;
 /// Surroundings whose noise is this share of an edge, or more, are not sampled finely enough to tell how they continue: the lowest two
 /// orders, which overshoot least, are taken instead of the likeliest. Noise of 0.02 edges has to stay below it: at 0.03 fills of known
 /// surfaces with it are 6% farther and their deviations too large, from 0.036 to 0.05 real ones are the same.
-constexpr double rough_noise = 0.04;
+constexpr double rough_noise = noise::rough;
 /// Standard deviations of so many points at once: 20 ms, and 4 MB for each of a few matrices.
-constexpr Index points_at_once = 4096;
+constexpr Index points_at_once = count::portion;
 /// The true surface may be smoother than this one by so many orders. On 126 known surfaces without noise 72% of the vertices are within one
 /// deviation with two, 77% with one; a third makes no difference.
-constexpr int smoother = 2;
+constexpr int smoother = count::pair;
 /// Orders with less than this share are left out of the average.
-constexpr double min_share = 0.02;
+constexpr double min_share = share::trace;
 
 /// The logarithm of so many pivots is taken at once: between a nugget of rounding and one that is all noise they are numbers.
 constexpr Index logarithm_of = 4;

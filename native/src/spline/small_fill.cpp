@@ -11,14 +11,14 @@
 #include "tripatch/estimate/long_edges.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/height_models.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
 namespace {
 
 /// Of the error at samples of the rim that are predicted by the others, from one side: that at the new vertices, which lie amid the rim.
-constexpr double share_of_error = 0.75;
+constexpr double share_of_error = share::most;
 
 using Triangle = std::array<int, 3>;
 
@@ -157,7 +157,7 @@ public:
 private:
   static constexpr int max_added = 2 * static_cast<int>(max_edges_of_small), smoothing_rounds = 3;
   /// Over what its ends ask for: between the diagonals of a square and of a regular pentagon, which gets a vertex inside.
-  static constexpr double longest_edge = 1.5;
+  static constexpr double longest_edge = factor::slight;
 
   bool in_rim(int v) const { return static_cast<std::size_t>(v) < rim_.size(); }
   double area(const Triangle& t) const { return turn(places_[t[0]], places_[t[1]], places_[t[2]]); }

@@ -38,11 +38,7 @@ Side moved_ends(Side side, const Vec3& start, const Vec3& end);
 std::vector<Side> planes_from_rim(std::vector<Side> sides, const std::vector<bool>& continued);
 Sides planes_from_rim(const Sides& sides, const std::array<bool, 3>& continued);
 
-/// Of the size: ends that are nearer count as one point, and are made one. What coordinates in single precision, as files and Blender
-/// have them, leave of a common point with some digits to spare.
-constexpr double sides_meet = 1e-6;
-
-/// Sides must meet: the end of each is the start of the next, within sides_meet; throws a Refusal that names the corner
+/// Sides must meet: the end of each is the start of the next, within 1e-6 of the size; throws a Refusal that names the corner
 /// and the gap otherwise. Returns the size: the largest distance between two corners or side points.
 double check_sides(const Sides& sides);
 /// The same for three curves alone.

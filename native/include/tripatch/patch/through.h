@@ -13,7 +13,4 @@ struct Through {
   std::optional<Vec3> normal;
 };
 
-/// Of the size: where inner points are farther from the patch than that the equations had no solution.
-constexpr double points_met = 1e-6;
-
 }  // namespace tripatch

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tripatch/cage/cage_system.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 
@@ -37,7 +38,7 @@ void add_third_derivatives(const CageSystem& system, const FairHole& hole, const
 struct FairCageOptions {
   double parameters = 0.5;  ///< a step may gain this part, relative, on third derivatives of what it loses on the energy
   int iterations = 8;
-  double enough = 0.01;  ///< relative gain below which the iteration stops
+  double enough = share::hundredth;  ///< relative gain below which the iteration stops
 };
 
 /// Positions of the free vertices that make

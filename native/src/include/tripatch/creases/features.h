@@ -6,14 +6,15 @@
 #include <vector>
 
 #include "tripatch/creases/walls.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
 
 /// Of the hole's diameter: as far as creases are followed, and so over so many rings at most. Found as the shares in features.cpp: 46%, 0%
 /// and 0%, 0%.
-inline constexpr double crease_reach = 0.75;
-inline constexpr int max_crease_rings = 40;
+inline constexpr double crease_reach = share::most;
+inline constexpr int max_crease_rings = count::rings;
 
 /// A crease that ends at the rim.
 struct CreaseEnd {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tripatch/creases/wall_meeting.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
@@ -16,7 +17,7 @@ namespace tripatch {
 /// Between the faces at a sharp edge at least, of the holes in features.cpp: the sides of a cylinder of 14 corners stay below it (-12%,
 /// 127%; with 35 degrees 26%). Of 89 holes in scanned and modelled meshes, with edges of 15 degrees and more at the rim, half of it fills
 /// one otherwise, 12% farther.
-inline constexpr double min_crease_angle = 25 * std::numbers::pi / 180;
+inline constexpr double min_crease_angle = radians(angle::crease);
 
 /// Walls that close a hole, one or more. Corners are numbered: places in the rim, then nodes.
 struct Walls {

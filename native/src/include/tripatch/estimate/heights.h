@@ -10,10 +10,10 @@
 namespace tripatch {
 
 constexpr int fit_degree = 5;  ///< of the local polynomials
-constexpr int fit_terms = 21;
 
 /// Of two coordinates' monomials, by degree and in each by the power j of the second one.
 constexpr int place_of(int degree, int j) { return degree * (degree + 1) / 2 + j; }
+constexpr int fit_terms = place_of(fit_degree + 1, 0);
 
 /// Eight points over a frame, in the units of the local mesh; where fewer are left the rest are nothing and have no share.
 struct SampleBlock {

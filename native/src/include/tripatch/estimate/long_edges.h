@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
@@ -11,7 +12,7 @@ namespace tripatch {
 /// A face is a needle if the square of its longest edge is over so many times twice its area. Two triangles in one plane are a face that was
 /// cut only if both are needles: the flat bottom of a scanned figure is cut at random, and with its edges a hole next to was 1.3 times
 /// farther off. How a needle is turned says little: its vertices on a smooth surface are nearly in line.
-inline constexpr double needle_length = 3;
+inline constexpr double needle_length = factor::strong;
 
 /// A point between two vertices.
 struct OnEdge {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "tripatch/estimate/heights.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
@@ -28,8 +29,8 @@ struct Stencil {
 
 /// Variances of what the heights consist of: everything that decides between smoothing and precision.
 struct VarianceComponents {
-  double noise = 1e-6;    ///< of a height
-  double truncation = 1;  ///< over radius^(2 degree + 2): of what the polynomial leaves out
+  double noise = tolerance::same;  ///< of a height
+  double truncation = 1;           ///< over radius^(2 degree + 2): of what the polynomial leaves out
   std::array<double, fit_degree + 1> term = {1, 100, 1, 1, 1, 1};  ///< of the derivatives of each degree
   double tilt = 100;                                               ///< of the slope across the rim against the faces next to it
 };

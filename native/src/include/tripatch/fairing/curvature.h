@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tripatch/boundary/side.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/patch/side_weights.h"
 #include "tripatch/patch/surface.h"
 
@@ -87,7 +88,7 @@ PiecewisePolynomial fit_between_vertices(const Side& side, double tolerance, con
 std::array<double, 3> curvature_mismatch(const Sides& sides);
 
 /// To half of the curvature: a mesh knows it no better at corners.
-constexpr double curvatures_agree = 0.5;
+constexpr double curvatures_agree = share::half;
 
 /// The sides that have a q and agree with their neighbors at both corners.
 std::array<bool, 3> curvature_agrees(const Sides& sides);
@@ -104,6 +105,6 @@ double largest_jump(const Side& side, std::span<const double> t, const std::vect
 /// The largest difference of normal curvature across the sides marked between patch and surroundings, over the larger of the two
 /// forms' norms there, at `samples` points of each side from `margin` to 1 - margin.
 double curvature_jump(const Surface& patch, const Sides& sides, const std::array<bool, 3>& marked, int samples = 99,
-                      double margin = 0.01);
+                      double margin = share::hundredth);
 
 }  // namespace tripatch

@@ -8,16 +8,17 @@
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/quadratic.h"
 #include "tripatch/math/dense_kernels.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 
 /// A mesh's curvature is known to the standard deviation Side::curvature_error; what lies within three of these costs little. Five let
 /// the holes of docs/holebench.md at n = 8 end an eighth farther from the truth (docs/notes/fairing.md, the jump of curvature).
-constexpr double tolerated_deviations = 3;
+constexpr double tolerated_deviations = deviations::clear;
 
 /// What may be added to a patch, at the points of its sides where curvature is compared.
 struct SideBasis {
-  static constexpr int points = 12;  ///< of each side
+  static constexpr int points = count::dozen;  ///< of each side
   explicit SideBasis(std::span<const PiecewisePolynomial> slopes);
 
   std::vector<double> t;                ///< of the points: denser towards the corners

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tripatch/fairing/energy_problem.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 
@@ -18,7 +19,7 @@ Eigen::VectorXd minimum(const EnergyProblem& problem, const Quadratic& energy);
 /// The parameterization is free in the geometric energies. A little of the third-derivative energy settles it: a step may gain on it a
 /// tenth (relative) of what it loses. With less than 0.05 the minimizer depends on rounding and on the quadrature; with 0.2 to 0.3 the
 /// distance to the truth grows by a third to two thirds (holes of docs/holebench.md).
-constexpr double parameterization_counts = 0.1;
+constexpr double parameterization_counts = share::tenth;
 
 /// A geometric energy as the logarithm of its value, so that "auto" weighs its two parts without units, plus the jumps of curvature.
 class Merit {

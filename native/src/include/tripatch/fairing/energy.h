@@ -4,13 +4,14 @@
 #include "tripatch/choices.h"
 #include "tripatch/fairing/curvature_variation.h"
 #include "tripatch/math/quadrature.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
 
 /// The soft minimum of two energies, minimum_variation and ten times quadric_variation: (a^-4 + b^-4)^(-1/4). On surfaces at
 /// large the second is a quarter to a half of the first, so it wins only where a surface is a quadric or near one.
-constexpr double quadric_ratio = 0.1;
+constexpr double quadric_ratio = share::tenth;
 double soft_minimum(double variation, double quadric);
 
 /// Quadratic in the surface, so that their minimum is one linear solve: thin_plate and third_derivative.

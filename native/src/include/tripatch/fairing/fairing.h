@@ -12,12 +12,13 @@
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/choices.h"
 #include "tripatch/fairing/folds.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
 
-constexpr int usual_slopes = 4;
+constexpr int usual_slopes = count::several;
 
 struct FairingOptions {
   /// thin_plate, third_derivative: quadratic, one linear solve. minimum_variation, quadric_variation, automatic (see energy.h):

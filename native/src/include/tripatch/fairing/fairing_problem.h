@@ -9,6 +9,7 @@
 #include "tripatch/fairing/fairing.h"
 #include "tripatch/fairing/fairing_space.h"
 #include "tripatch/fairing/quadratic.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 
@@ -21,7 +22,7 @@ std::vector<PiecewisePolynomial> slope_directions(const Side& side, const std::a
                                                   double size);
 
 /// Where alpha falls below this part of what it was, the patch is about to turn back over its side.
-constexpr double min_alpha_kept = 0.1;
+constexpr double min_alpha_kept = share::tenth;
 
 /// How much of `added` a side's alpha can gain until it falls below that part.
 double alpha_reach(const PiecewisePolynomial& alpha, const PiecewisePolynomial& added);

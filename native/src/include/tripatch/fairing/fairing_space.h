@@ -11,6 +11,7 @@
 #include "tripatch/fairing/energy_problem.h"
 #include "tripatch/math/dense_kernels.h"
 #include "tripatch/math/piecewise_polynomial.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/patch/bezier_triangle.h"
 #include "tripatch/patch/side_weights.h"
 #include "tripatch/patch/surface.h"
@@ -33,12 +34,12 @@ Jet<N> second_cross_kernel(const Barycentric<N>& b, const std::array<Jet<N>, 3>&
 /// What multiplies the interior polynomial.
 template <int N>
 Jet<N> bubble(const Barycentric<N>& b) {
-  return square(27.0 * (b[0] * b[1] * b[2]));
+  return square(27 * (b[0] * b[1] * b[2]));
 }
 
 inline Index scalars(int degree, int second_cross) { return BezierTriangle::net_size(degree) + 3 * second_cross; }
 
-constexpr int highest_interior = 9;  // degree
+constexpr int highest_interior = count::degree;  // degree
 
 /// f(K, b^K) for each monomial of that degree, in the order of a BezierTriangle's net.
 template <int N, class F>

@@ -5,22 +5,23 @@
 #include <vector>
 
 #include "tripatch/fairing/kinks.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/patch/rim_normals.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
 
 /// Edges, on a side, of the grid on which folds of a triangle are counted: neighbors on a hemisphere are 3 degrees apart.
-constexpr Index fold_grid_rows = 64;
+constexpr Index fold_grid_rows = count::many_places;
 /// Neighbors of a grid fold whose normals have this cosine or less: 60 degrees, twenty times what those on a hemisphere are apart.
-constexpr double folded_apart = 0.5;
+constexpr double folded_apart = share::half;
 /// A grid of half as many rows, with all of the rim, decides that the whole grid has no fold if the normals agree. Neighbors must
 /// have this cosine or more, 20 degrees (on a hemisphere they are 6 apart), and all normals this one or more to those of the rim,
 /// 60 degrees. That held for all 2,200 patches that it took to be without folds, next to 1,200 with some.
-constexpr double surely_together = 0.94, surely_facing = 0.5;
+constexpr double surely_together = 0.94, surely_facing = share::half;
 /// Degrees between two planes, at a corner or kink, from which on every patch turns fast next to it: neighbors nearer to it than
 /// `beside_crease` are not compared.
-constexpr double folds_one_plane = 1;
+constexpr double folds_one_plane = angle::flat;
 /// In barycentric coordinates (ten rows of that grid), or of a polygon's radius.
 constexpr double beside_crease = 0.15;
 

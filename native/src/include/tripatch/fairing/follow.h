@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tripatch/fairing/fairing.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 
@@ -11,7 +12,7 @@ struct SurfacePoints {
 };
 
 /// What a distance along the surface counts next to one across it: where on a surface a point lies matters little, but must be held.
-constexpr double follow_along = 0.1;
+constexpr double follow_along = share::tenth;
 
 /// Of the patches that differ from `base` in the terms above the one that is nearest to the points, by least squares: distances along
 /// the surface count a tenth. Of `options` the numbers of coefficients and slopes_free are read.

@@ -7,6 +7,7 @@
 #include "tripatch/boundary/polygon_sides.h"
 #include "tripatch/boundary/vertex_planes.h"
 #include "tripatch/hole/sharp_sides.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/connectivity.h"
 #include "tripatch/options.h"
 #include "tripatch/output/fill_result.h"
@@ -64,7 +65,7 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
                               bool folded_too = true);
 
 /// A round rim has at least so many edges.
-constexpr Index min_round = 6;
+constexpr Index min_round = count::half_dozen;
 /// The one side of a hole without corners, read for a patch over a disc.
 struct DiscInput {
   std::vector<Index> rim;

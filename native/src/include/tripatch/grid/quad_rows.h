@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
@@ -14,7 +15,7 @@ namespace tripatch {
 /// rectangle of rows.
 class QuadRows {
 public:
-  static constexpr Index max_beyond = 3;  ///< rows of vertices beyond a side
+  static constexpr Index max_beyond = count::few;  ///< rows of vertices beyond a side
 
   QuadRows(Index n, Index m) : n_(n), m_(m), vertex_(n + 1 + 2 * max_beyond, m + 1 + 2 * max_beyond) { vertex_.setConstant(-1); }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
@@ -32,7 +33,7 @@ RimShape measure_alone(const Mesh& mesh, const std::vector<Index>& rim);
 double zigzag(const Mesh& mesh, const std::vector<Index>& rim, std::span<const Index> places);
 /// Sides up to here are smooth. Coarse sides of the smooth surfaces that were tried (8 edges) stay below 0.16, rims of deleted
 /// irregular triangles begin at 0.3.
-constexpr double smooth_sides = 0.2;
+constexpr double smooth_sides = share::fifth;
 
 /// The size of a hole: the largest distance between two points of its rim (k x 3), in their units, whichever is the first; NaN where one
 /// is not finite.

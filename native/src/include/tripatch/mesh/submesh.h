@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
@@ -38,7 +39,7 @@ public:
   std::size_t size() const { return items_.size(); }
 
 private:
-  static constexpr Index max_direct = 20'000;  ///< to clear as many places takes as long as to hash some hundred items
+  static constexpr Index max_direct = count::linear;  ///< to clear as many places takes as long as to hash some hundred items
 
   int& place_to_add(Index item);
   std::size_t slot(Index item) const;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/types.h"
 
@@ -21,7 +22,7 @@ constexpr double triangles_per_squared_edge = 5;
 
 /// Remesh at about this resolution and cut the triangles far from the rim in rows, once a resolution of twice this is asked for. At 100 the
 /// remesher takes 0.1 to 0.3 s, and its triangles follow the sizes as well as finer ones.
-constexpr int coarse_resolution = 100;
+constexpr int coarse_resolution = count::hundred;
 /// Of such triangles, those of a lower shape (a least angle of some 28 degrees) are left to the remesher: a lattice has their angles.
 constexpr double lattice_shape = 0.7;
 
@@ -35,15 +36,15 @@ protected:
   static constexpr double growth = 0.4;            // of the size per distance, where the rim is finer than the inside
   static constexpr double max_triangles = 50'000;  // wanted where the rim's density says the count; grading adds to it
   static constexpr double max_over = 8;  // times as many triangles as the sizes say: no more are made (5 where a rim is uneven)
-  static constexpr double too_long = 4.0 / 3, too_short = 0.75;  // times the size: where edges are split and collapsed
+  static constexpr double too_long = 4.0 / 3, too_short = share::most;  // times the size: where edges are split and collapsed
 
   /// Edges looked at for each triangle until flips have come to no end, which there may be none of where the surface folds over itself; and
   /// from then on.
-  static constexpr std::size_t many_looks = 40, few_looks = 4;
-  static constexpr double good_enough = 0.3;      // shape of a triangle that a move in between may bring about
-  static constexpr double collapsed_shape = 0.4;  // that a collapse may bring about; or no worse than what was there
+  static constexpr std::size_t many_looks = 40, few_looks = count::several;
+  static constexpr double good_enough = share::three_tenths;  // shape of a triangle that a move in between may bring about
+  static constexpr double collapsed_shape = 0.4;              // that a collapse may bring about; or no worse than what was there
   static constexpr double rounding =
-      1e-9;  // of an area, per length: ten times that of coordinates from 0 to 1 read far from the origin
+      tolerance::solved;  // of an area, per length: ten times that of coordinates from 0 to 1 read far from the origin
 
   static constexpr int at_rim = -1, at_lattice = -2;
   struct Triangle {

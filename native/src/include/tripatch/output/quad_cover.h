@@ -7,6 +7,7 @@
 
 #include "tripatch/hole/hole.h"
 #include "tripatch/hole/rim_shape.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/output/cover.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/types.h"
@@ -14,8 +15,8 @@
 namespace tripatch {
 
 /// Extra rows that are tried, at most: beyond them the edges of the rim decide how near the quads come.
-constexpr int max_extra_rows = 4;
-constexpr double default_tolerance = 1e-3;  ///< of the hole's diameter
+constexpr int max_extra_rows = count::several;
+constexpr double default_tolerance = tolerance::slight;  ///< of the hole's diameter
 
 struct LayoutOptions {
   std::optional<int> rows;          ///< extra rows of quads round the pole(s); none: the fewest under `tolerance`, 0 to 4

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "tripatch/boundary/side.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/patch/side_weights.h"
 
 namespace tripatch {
@@ -30,7 +31,7 @@ public:
   }
 
 private:
-  static constexpr int samples = 256;
+  static constexpr int samples = count::block;
   std::array<std::array<Vec3, samples + 1>, 3> normals_;
 };
 

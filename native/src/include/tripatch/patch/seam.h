@@ -1,12 +1,13 @@
 // Where seams are measured: all along a side, but next to a corner whose two sides have different planes no patch can have both.
 #pragma once
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
 
-inline constexpr int seam_samples = 200;       ///< places along a side, a choice
-inline constexpr double beside_corner = 0.01;  ///< of a side: what is left out next to a corner that has two
+inline constexpr int seam_samples = count::hundreds;       ///< places along a side, a choice
+inline constexpr double beside_corner = share::hundredth;  ///< of a side: what is left out next to a corner that has two
 
 /// How a patch meets a side: angles between its normals and the side's where that has some, in degrees, and the largest distance.
 struct SeamOfSide {

@@ -17,11 +17,12 @@
 
 #include "tripatch/math/jet.h"
 #include "tripatch/math/plane.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 
 /// Sides that a polygon has at most: those of a regular one turn by 30 degrees, and parameters crowd the more the more there are. A choice.
-constexpr int max_sides = 12;
+constexpr int max_sides = count::dozen;
 
 /// A point of a polygon seen from all its sides and corners.
 template <int N>

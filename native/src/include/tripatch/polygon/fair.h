@@ -13,6 +13,7 @@
 
 #include "tripatch/fairing/curvature.h"
 #include "tripatch/fairing/energy_problem.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 #include "tripatch/polygon/surface.h"
 
@@ -94,6 +95,6 @@ SurfacePtr meet_curvature(const SurfacePtr& patch, const PolygonDomain& domain, 
 /// The sides that have a q and agree with their neighbors' curvature at both corners.
 std::vector<bool> curvature_agrees(const SideList& sides);
 double curvature_jump(const Surface& patch, const PolygonDomain& domain, const SideList& sides, int samples = 99,
-                      double margin = 0.01);
+                      double margin = share::hundredth);
 
 }  // namespace tripatch

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/polygon/boundary.h"
 
 namespace tripatch {
@@ -23,7 +24,7 @@ struct JoinedSide {
 JoinedSide joined(const SideList& pieces, const std::vector<std::vector<double>>& parameters = {});
 
 /// A side of a surface is fitted by more pieces than this where it has kinks, about which they are halved nine times.
-constexpr Index smooth_pieces = 8;
+constexpr Index smooth_pieces = count::octet;
 bool is_kinked(const Side& side);
 
 /// The sides of one patch, all by arc length where one of them changes its speed quickly, as edges of CAD programs do where faces next to

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tripatch/math/simd.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch::corner_costs {
 
@@ -14,7 +15,7 @@ namespace tripatch::corner_costs {
 constexpr int distortion_power = 3;
 /// In the end the least angle leads: (1 / sin)^2 counts with this power (of two), and next to it how even the spacing is.
 constexpr int sharp_power = 8;
-constexpr double spacing = 0.25;  ///< weight of the evenness, a choice
+constexpr double spacing = share::quarter;  ///< weight of the evenness, a choice
 
 /// A function of two variables to second order about a place: its value, by u, by v, and the halves of uu, all of uv and of vv; T: a double,
 /// or a Pack for four corners at a time. As Jet<2> to the last bit, but inlined, and what does not change is a number: Newton's steps are

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
@@ -58,7 +59,7 @@ private:
     Index high, at;
   };
   static constexpr std::ptrdiff_t many =
-      24;  ///< edges at a vertex, from which on halving is less than putting one after the other
+      count::dozens;  ///< edges at a vertex, from which on halving is less than putting one after the other
 
   Index place(Index high) const { return high < first_ ? last_ : high - first_; }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tripatch/estimate/long_edges.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/connectivity.h"
 
 namespace tripatch {
@@ -16,7 +17,7 @@ constexpr Index max_laid_out = 12'000;
 /// are not: laid out, spheres under noise are twice as near.
 constexpr Index long_rim = 400;
 /// What is decimated may have more triangles: no more than coarsening takes as long for as the rest does.
-constexpr Index max_coarsened = 1'000'000;
+constexpr Index max_coarsened = count::million;
 inline Index max_triangles_around(Index rim) { return rim > long_rim ? max_coarsened : max_laid_out; }
 
 struct Disc {
@@ -55,8 +56,8 @@ Disc disc_to_sample(const Mesh& mesh, const Connectivity& around, const std::vec
 
 /// Samples of the field: so many and the rim's. The time grows with their cube; with 240 at least the distances of 220 holes from
 /// what was there are within 2% of those with 160, but for known surfaces without noise, where they are a hundredth of a baseline's.
-constexpr Index min_samples = 160, max_samples = 600;
-constexpr Index more_than_rim = 100;
+constexpr Index min_samples = count::cubic, max_samples = 600;
+constexpr Index more_than_rim = count::hundred;
 /// The best spread samples, rows of the disc's vertices and of the points on its edges: all of the rim if there are not too many, then
 /// always the one that is farthest from those taken, over its own distance from the rim. Were that in edges where the rim has more of them
 /// than samples, all others would be of the rim too, and the slope next to it unseen. In an order of which every k-th is spread over all.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/spline/disc.h"
 #include "tripatch/spline/hermite_correction.h"
 #include "tripatch/spline/minimize_bending.h"
@@ -16,8 +17,8 @@ namespace tripatch {
 
 /// Surroundings as far as this share of the hole's diameter: with 0.5 the fills of scanned and modelled meshes are no nearer, and cost
 /// more.
-constexpr double reach_share = 0.25;
-constexpr int max_rings = 40;
+constexpr double reach_share = share::quarter;
+constexpr int max_rings = count::rings;
 
 /// Where long rims are not seen from above, the fill in their layouts has a third of the rim in so many edges inside: its triangles would be ten times those
 /// of the rings. Of six caps of a sphere, 60 degrees, rims of 600 to 1,050 edges that are jagged by 0.01 and 0.02, with 10, 40 and 200
@@ -25,7 +26,7 @@ constexpr int max_rings = 40;
 constexpr int edges_in_layouts = 20;
 
 /// Details: what a polynomial of the higher degree leaves, over an edge. With twice as much 84 holes are 0.7% farther, with half 0.8% nearer.
-constexpr double detail = 0.05;
+constexpr double detail = share::little;
 
 /// Work on a fill, counted in vertices that are laid out or bent: it ends the same way on every machine.
 class Work {
@@ -40,7 +41,7 @@ public:
 private:
   /// Of 448 holes of real meshes, and 212 under noise of a tenth and a third of an edge, three are filled otherwise without a limit: one
   /// that folds in any case, two under the most noise.
-  static constexpr Index times = 4, least = 20'000;
+  static constexpr Index times = count::several, least = count::linear;
   Index done_ = 0, most_ = 0;
 };
 

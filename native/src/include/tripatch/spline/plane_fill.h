@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/connectivity.h"
 #include "tripatch/messages.h"
 #include "tripatch/patch/through.h"
@@ -18,7 +19,7 @@
 namespace tripatch {
 
 /// Surroundings farther off than this share of the hole's diameter are not looked at.
-constexpr double farthest_reach = 0.5;
+constexpr double farthest_reach = share::half;
 
 struct PlaneFillOptions {
   std::optional<int> resolution;  ///< a third of the rim has so many edges inside the fill; none: edges as long as the rim's

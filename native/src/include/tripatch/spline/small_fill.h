@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "tripatch/boundary/vertex_planes.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/output/fill_result.h"
 
 namespace tripatch {
 
 /// Edges of the longest rim that is filled so.
-constexpr std::size_t max_edges_of_small = 8;
+constexpr std::size_t max_edges_of_small = count::octet;
 
 /// rim: a border loop in the direction of the new faces. Triangles by Delaunay in the plane of the faces of two rings around, on
 /// the polyharmonic spline through the vertices of the two rings. New vertices are added where triangles would be larger than the
