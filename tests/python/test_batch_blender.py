@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from test_batch import _HOG, heads, is_gone, lines, run
 from tripatch.batch import journal
 
 ADDON = Path(__file__).resolve().parents[2] / "addon"
+needs_shell = pytest.mark.skipif(os.name != "posix", reason="a shell script stands for Blender")
 needs_blender = pytest.mark.skipif(shutil.which("blender") is None, reason="no Blender on the PATH")
 
 _SCENE = """
@@ -115,6 +117,7 @@ def program(tmp_path, text):
     return path
 
 
+@needs_shell
 @pytest.mark.parametrize(
     ("text", "status", "reason"),
     [
@@ -134,6 +137,7 @@ def test_a_blender_that_fails_costs_its_file(tmp_path, capsys, text, status, rea
     assert made["b.obj"]["status"] == "nothing"
 
 
+@needs_shell
 def test_a_blender_ends_with_the_process_that_has_opened_it(tmp_path, capsys):
     """As where the system is short of memory and ends that one."""
     (tmp_path / "a.blend").write_bytes(b"BLENDER")
