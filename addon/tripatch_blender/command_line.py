@@ -261,10 +261,7 @@ def _run(arguments):
     if not total.reports:
         print(selection.NothingToFill(total.left_open, option=option))
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(arguments.out), copy=True)
-    flawed = any(total.passages) or any(
-        report.triangles_folded > report.rim_folded or report.crosses_itself or "none" in report.continuity
-        for report in total.reports
-    )
+    flawed = any(total.passages) or any(report.is_flawed for report in total.reports)
     return EXIT_SOME if total.refused or flawed else EXIT_ALL
 
 

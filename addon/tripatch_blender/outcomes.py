@@ -70,8 +70,12 @@ class Outcome:
 
     def alarms(self):
         """Whether there is something that a person should look at, or can mend."""
-        folds = any(r.crosses_itself or r.triangles_folded > r.rim_folded for r in self.reports)
-        return folds or any(self.passages) or self.instead or any(map(sentences.can_be_mended, self.notes))
+        return (
+            any(report.is_flawed for report in self.reports)
+            or any(self.passages)
+            or self.instead
+            or any(map(sentences.can_be_mended, self.notes))
+        )
 
     def count(self, faces, output):
         """The new faces, as lists of vertices or corners."""

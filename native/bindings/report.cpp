@@ -120,6 +120,10 @@ void bind_report(py::module_& m) {
       .def_readonly("rim_folded", &Report::rim_folded,
                     "The same of the rim's own triangulation, and of faces beyond the rim that are folded over those around "
                     "them: such a rim leaves no other way.")
+      .def_property_readonly(
+          "is_flawed", &is_flawed,
+          "Whether the fill folds more than its rim does, crosses itself or misses its boundary: what the exit status "
+          "of commands counts as invalid.")
       .def_readonly("crosses_itself", &Report::crosses_itself,
                     "Whether new faces go through each other, which every way to fill the rim that was tried does; not looked "
                     "for in cages.")

@@ -1,5 +1,6 @@
 #include "tripatch/fill.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <numbers>
 #include <set>
@@ -22,12 +23,15 @@
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/isometry/isometric_fill.h"
+#include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
 #include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/edge_key.h"
 #include "tripatch/output/leaned.h"
 #include "tripatch/output/shaped.h"
+#include "tripatch/report/dihedrals.h"
+#include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/plane_fill.h"
 #include "tripatch/spline/small_fill.h"
 
@@ -143,6 +147,36 @@ void measure_gap(const Mesh& mesh, Fill& fill) {
   if (!fill.sides.empty() && is_known) tell_gap(diameter(mesh, fill.rim), report);
 }
 
+/// Refuses what lies on the mesh: in the border of a flat sheet.
+void refuse_covering(const FillContext& context, const Fill& fill) {
+  const Mesh& mesh = context.mesh;
+  const auto at = [&](Index v) { return place_of(mesh, fill, v); };
+  const std::vector<AdjacentFace> beyond = faces_beyond(mesh, context.left, {fill.rim});
+  const auto covers = [&](const Vec3& normal) {  // one without an area lies on anything
+    return std::ranges::all_of(beyond, [&](const AdjacentFace& face) {
+      return !(normal.norm() > 0) || !(face.normal.norm() > 0) || degrees_between(normal, face.normal) > angle::reversed;
+    });
+  };
+  for (Index f = 0; f < fill.faces.size(); ++f)
+    for (std::size_t k = 2; k < fill.faces[f].size(); ++k) {
+      const Vec3 first = at(fill.faces[f][0]);
+      if (!covers((at(fill.faces[f][k - 1]) - first).cross(at(fill.faces[f][k]) - first))) return;
+    }
+  throw CodedRefusal(Code::lies_on_mesh, {}, fill.rim);
+}
+
+/// Tells of folds between new faces that the rim forces, unless the fill has sharp edges there.
+void tell_folded_inside(const Mesh& mesh, Fill& fill) {
+  Report& report = fill.report;
+  if (report.triangles_folded > report.rim_folded || !fill.feature_edges.empty() || fill.report.method != spline_method) return;
+  for (const auto& [a, b] : folded_edges(mesh.vertices, fill.vertices, fill.faces, {})) {
+    const Vec3 middle = 0.5 * (place_of(mesh, fill, a) + place_of(mesh, fill, b));
+    const Index near = nearest_of(mesh.vertices, fill.rim, middle);
+    report.warnings.push_back({Code::boundary_folds, {}, {near}});
+    return;
+  }
+}
+
 Fill fill_by_method(const FillContext& context, const std::optional<std::vector<Index>>& rim, const Corners& corners,
                     const FillOptions& options) {
   Fill fill = fill_as_asked(context, rim, corners, to_be_moved(options));
@@ -156,7 +190,11 @@ Fill fill_by_method(const FillContext& context, const std::optional<std::vector<
   tell_odd(options, fill);
   if (fill.patch) measure_gap(context.mesh, fill);
   state_deviation(context.mesh, options, fill);
-  if (report.triangles_folded > 0) tell_turned_over(context.mesh, context.left, fill.rim, report);
+  if (report.triangles_folded > 0) {
+    refuse_covering(context, fill);
+    tell_turned_over(context.mesh, context.left, fill.rim, report);
+    tell_folded_inside(context.mesh, fill);
+  }
   if (report.crosses_itself)
     if (const auto where = place_of_crossing(context.mesh, fill.vertices, fill.faces))
       tell_crossing(context.mesh.vertices, fill.rim, *where, report, Code::crosses_itself);
@@ -398,6 +436,9 @@ void complete_report(const Mesh& mesh, const FillOptions& options, Fill& fill) {
   Report& report = fill.report;
   for (Message& said : told_of_not_taken(options, report.method)) report.warnings.push_back(std::move(said));
   report.not_applied.merge(not_applied(options, fill));
+  const auto bulge = report.not_applied.find("bulge");
+  if (options.bulge.values().size() > 1 && bulge != report.not_applied.end() && bulge->second == "sides")
+    report.warnings.push_back({Code::options_need_smooth_sides, {{"options", std::vector<std::string>{"bulge"}}}});
 }
 
 /// For each rim what is wrong with the mesh there; else nothing.

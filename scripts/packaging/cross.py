@@ -125,8 +125,8 @@ def macos_link(platform: Platform, folder: Path) -> str:
     )
 
 
-# CMake finds out what compiler this is by linking a program, for which zig would compile a C++ library that no module needs: it is
-# only compiled. And with -c zig tries to link a precompiled header: there -c is left out.
+# CMake finds out what compiler this is by linking a program, for which zig would compile a C++ library that no module needs: it
+# is only compiled. And with -c zig tries to link a precompiled header: there -c is left out.
 COMPILER_CASES = """\
 case "$*" in
   *CompilerId.c*) set -- -c "$@";;

@@ -98,12 +98,12 @@ def test_any_rim_is_filled_by_default(run):
     assert json.loads(report.read_text())[0]["filled"][0]["method"] == "quad_rows"
 
 
-@pytest.mark.parametrize(("of_fill", "of_rim", "status"), [(1, 0, 3), (1, 1, 0), (0, 2, 0)])
-def test_a_fill_that_folds_no_more_than_its_rim_is_no_failure(run, addon, monkeypatch, of_fill, of_rim, status):
+@pytest.mark.parametrize(("flawed", "status"), [(True, 3), (False, 0)])
+def test_a_flawed_fill_is_counted_in_the_status(run, addon, monkeypatch, flawed, status):
     filling = importlib.import_module(addon.__name__ + ".filling")
 
     class Folded:
-        triangles_folded, rim_folded = of_fill, of_rim
+        is_flawed = flawed
 
         def __init__(self, report):
             self.report = report

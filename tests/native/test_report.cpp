@@ -145,6 +145,20 @@ TEST_CASE("folds are counted, and only folds") {
   CHECK(count_folds(Flat(), turned) == 65 * 66 / 2 - 3);
 }
 
+TEST_CASE("a fill is flawed that folds more than its rim, crosses itself or misses its boundary") {
+  Report report;
+  report.triangles_folded = report.rim_folded = 2;
+  report.continuity = {SeamContinuity::g1};
+  CHECK(!is_flawed(report));
+  Report folds = report, crosses = report, misses = report;
+  folds.triangles_folded = 3;
+  crosses.crosses_itself = true;
+  misses.continuity.push_back(SeamContinuity::none);
+  CHECK(is_flawed(folds));
+  CHECK(is_flawed(crosses));
+  CHECK(is_flawed(misses));
+}
+
 TEST_CASE("a patch without area gives finite numbers") {
   const Sides sides = flat_sides({{{0, 0}, {0, 0}, {0, 0}}});
   Report report;

@@ -69,7 +69,7 @@ TEST_CASE("the report lists all candidates, the used one first, skipped and refu
   REQUIRE(rows.size() == 4);
   CHECK((rows[0].method == "best" && rows[0].status == CandidateStatus::used && rows[0].why->code == Code::requested));
   CHECK((rows[1].method == "worse" && rows[1].why->code == Code::less_accurate));
-  CHECK((rows[2].method == "skipped" && rows[2].why->text() == "flat wall: the faces around the hole are not quads"));
+  CHECK((rows[2].method == "skipped" && rows[2].why->text() == "as a flat wall: the faces around the hole are not quads"));
   CHECK((rows[3].method == "refused" && rows[3].why->code == Code::not_made));
 }
 

@@ -142,7 +142,8 @@ FILE = (
 HOLE = (
     "schema line tripatch options input object hole outer vertex edges diameter status reason where new_vertices new_faces "
     "crease_max method method_reason corners continuity fairing seam_angle_max seam_angle_rms surroundings_error deviation_max "
-    "cage_deviation_max surroundings_moved_max folds triangles_folded crosses_itself passes_through warnings codes"
+    "cage_deviation_max surroundings_moved_max folds triangles_folded rim_folded is_flawed crosses_itself passes_through warnings "
+    "codes"
 ).split()
 
 
@@ -187,6 +188,8 @@ def test_faces_that_are_not_joined_are_filled_as_if_they_were_and_near_duplicate
         assert "2 rims in 1 file lie upon other borders" in out
     made = heads(tmp_path / "out")
     assert {name: head["unjoined"] for name, head in made.items()} == {"halves.obj": 0, "near.obj": 2, "soup.obj": 0}
+    code, _, _ = run(capsys, source / "near.obj", "--out", tmp_path / "joined", "--workers", 0, "--join", 0.1)
+    assert code == 0 and lines(tmp_path / "joined")[0]["unjoined"] == 0
     assert {name: head["status"] for name, head in made.items()} == {
         "halves.obj": "nothing",
         "near.obj": "refused",
@@ -256,6 +259,7 @@ def test_bad_files_among_good_ones_by_a_scheduler(tmp_path, capsys, cluster):
     made = heads(tmp_path / "out")
     assert made["broken.ply"]["status"] == made["gone.obj"]["status"] == made["empty.stl"]["status"] == "unreadable"
     assert "The PLY file is damaged" in made["broken.ply"]["reason"]
+    assert f"tripatch: broken.ply: {made['broken.ply']['reason']}\n" in err
     assert (made["empty.obj"]["status"], made["empty.obj"]["reason"]) == ("nothing", "It has no faces")
     assert made["m001.obj"]["status"] == "not written"
     assert made["m000.obj"]["status"] == "filled"

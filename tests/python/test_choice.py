@@ -132,7 +132,7 @@ def test_what_is_refused_is_a_reason_without_what_to_do():
     refused = tripatch.Message("edge_without_length", {}, [5, 6])
     why = tripatch.Message("flat_wall", {"reason": tripatch.Message("not_made", {"reason": refused})})
     assert refused.endswith(". Merge the two")
-    assert why == "flat wall: The edge between vertices 5 and 6 has no length"
+    assert why == "as a flat wall: The edge between vertices 5 and 6 has no length"
     assert why.codes == {"flat_wall", "not_made", "edge_without_length"}
 
 
@@ -168,7 +168,9 @@ def test_rows_of_candidates_differ_and_do_not_ask_for_auto(make):
     assert len({(each.method, each.why.partition(": ")[0]) for each in rows if each.status == "skipped"}) == len(
         [each for each in rows if each.status == "skipped"]
     )
-    assert {"lower cap", "flat wall", "folded patch", "flat"} <= {each.why.partition(": ")[0] for each in rows}
+    assert {"as a lower cap", "as a flat wall", "as a patch that folds", "as a flat fill"} <= {
+        each.why.partition(": ")[0] for each in rows
+    }
     assert not any("method auto" in each.why for each in rows)
 
 

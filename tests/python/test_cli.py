@@ -251,7 +251,31 @@ def test_a_fill_that_folds_is_no_success(one, tmp_path, capsys):
     code, _, err = run(capsys, "fill", path, out, "--corners", "0,6,12", "--fairing", "none", "--method", "side_vertex")
     assert code == 3
     assert out.exists()
-    assert "1 fill folds over itself" in err
+    assert "1 fill folds over itself (at vertex 0)" in err
+
+
+def test_how_sharply_faces_meet_is_told_of_what_is_tangent_to_nothing(tmp_path, capsys):
+    x, y = np.meshgrid(np.arange(9.0), np.arange(9.0))
+    vertices = np.column_stack([x.ravel(), y.ravel(), 0.02 * (x**2 + y**2).ravel()])
+    quads = [(i, j) for j in range(8) for i in range(8) if not (3 <= i < 5 and 3 <= j < 5)]
+    faces = [[9 * j + i, 9 * j + i + 1, 9 * j + i + 10, 9 * j + i + 9] for i, j in quads]
+    fill = tripatch.fill(vertices, faces)
+    assert fill.report.continuity == [] and fill.report.seam_angle_max > 1
+    _, text, _ = run(capsys, "fill", write_obj(tmp_path / "in.obj", (vertices, faces)), tmp_path / "out.obj")
+    angle = words.degrees(fill.report.seam_angle_max)
+    assert text.startswith(f"Filled 1 hole; boundary bends by up to {angle}")
+
+
+def test_values_by_side_are_not_ignored_in_silence(one, tmp_path, capsys):
+    _, _, err = run(capsys, "fill", one, tmp_path / "out.obj", "--method", "polyharmonic_spline", "--bulge", "3,2,1,7")
+    assert "bulge had no effect" in err
+
+
+def test_a_protected_file_is_not_written_over(one, tmp_path, capsys, monkeypatch):
+    (out := tmp_path / "out.obj").write_text("mine")
+    monkeypatch.setattr("os.access", lambda path, mode: False)  # root may write everything
+    code, _, err = run(capsys, "fill", one, out)
+    assert code == 2 and "ermission denied" in err and out.read_text() == "mine"
 
 
 @pytest.mark.parametrize(

@@ -572,6 +572,9 @@ def test_stl_text(tmp_path):
 
 def test_stl_errors(tmp_path):
     assert "The STL file is damaged" in refused(b"hello", "a.stl", tmp_path)
+    assert "The STL file is damaged" in refused(
+        bytes(80) + b"\x02" + bytes(500), "a.stl", tmp_path
+    )  # two triangles, and much else
     assert "STL file" in refused(stl_binary()[:-3], "a.stl", tmp_path)
     solid = b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"
     assert "ends early" in refused(solid.replace(b"endsolid", b""), "a.stl", tmp_path)

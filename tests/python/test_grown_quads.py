@@ -138,7 +138,7 @@ def test_a_cage_lies_where_the_mesh_goes_on_unless_that_is_known_to_a_three_thou
     cage = tripatch.fill(points, left, output="cage")
     off = np.abs(np.linalg.norm(cage.vertices, axis=1) / np.linalg.norm(vertices[0]) - 1).max()
     assert bool(off < 1e-3) is on_mesh  # on the ball as the mesh's own; the fairest cage brings its limit to it
-    assert cage.report.method_reason == "the quads around the hole continue"
+    assert cage.report.method_reason == "the quads grow inwards from the boundary"
 
 
 def test_a_large_cage_that_would_cross_itself_is_untangled():

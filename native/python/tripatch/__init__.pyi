@@ -175,6 +175,7 @@ class Report:
     deviation_max: float | None
     triangles_folded: int
     rim_folded: int
+    is_flawed: bool
     crosses_itself: bool
     folds: int
     corners: list[int]

@@ -273,14 +273,14 @@ def _fill(args: argparse.Namespace) -> int:
         print(words.filled(reports, cage_rim=cage_rim, quads=len(faces), triangles=triangles, limit=limit, bend=bend))
         if left:
             print(_left_open(args, left))
-    folded = sum(fill.report.triangles_folded > fill.report.rim_folded for fill in fills)
+    folded = [min(fill.rim) for fill in fills if fill.report.triangles_folded > fill.report.rim_folded]
     if folded:
-        note(tripatch.Message("fills_fold", {"count": folded}))
-    flawed = any(report.crosses_itself or "none" in report.continuity for report in reports)  # its warning says where
+        note(tripatch.Message("fills_fold", {"count": len(folded)}, folded))
+    flawed = any(report.is_flawed for report in reports)
     through = [(min(fill.rim), fill.passes_through) for fill in fills if fill.passes_through]
     for vertex, where in through[:MAX_TOLD]:
         note(tripatch.Message("fill_passes_through", {"place": words.place(where)}, [vertex]))
-    return FILLED if len(fills) == len(holes) and not folded and not flawed and not through else SOME
+    return FILLED if len(fills) == len(holes) and not flawed and not through else SOME
 
 
 def _smooth(args: argparse.Namespace) -> int:

@@ -54,6 +54,8 @@ def _colors(kind: str, vertices: Array, triangles: Array, edges: Array, settings
         found, angles = quality.edge_angles(vertices, triangles)
     at, known = np.zeros(len(vertices)), np.isfinite(angles)
     np.maximum.at(at, found[known].ravel(), np.repeat(angles[known], 2))
+    if len(edges) and not known.any():
+        raise ValueError(Message("no_such_seam"))
     largest = float(angles[known].max(initial=0.0))
     most = settings.get("most") or (1.0 if len(edges) else max(largest, 1e-9))
     told = Message("seam_shown" if len(edges) else "edges_shown", {"angle": f"{largest:.3g}°", "most": f"{most:.3g}°"})
@@ -173,6 +175,8 @@ def run(args: argparse.Namespace) -> int:
             raise ValueError(Message("not_finite", {"name": name}))
         if len(values) == 3 and not any(values):
             raise ValueError(Message("zero_vector", {"name": name}))
+    if args.lines <= 0:
+        raise out_of_range("--lines", args.lines, 0, is_open=True)
     if args.max is not None and not 0 < args.max < np.inf:
         raise out_of_range("--max", args.max, 0, is_open=True)
     deviation = mesh.deviation if args.kind == "deviation" else None

@@ -98,6 +98,9 @@ def filled(
             said["accuracy"] = degrees(known)
     if others:
         said["bend"] = degrees(max(others))
+    loose = max((report.seam_angle_max for report in reports if not report.continuity), default=0.0)
+    if loose:  # triangles that are tangent to nothing
+        said["angle"] = degrees(loose)
     if triangles:
         said |= {"triangles": triangles, "faces": quads}
     return Message("holes_filled", said)

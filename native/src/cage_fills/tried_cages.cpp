@@ -309,10 +309,8 @@ void TriedCages::complete() {
     if (placed_) fills_[h].known_error = placed_error_;
     if (kept[h]) report.folds = 0;  // of a patch that the cage is not fitted to
     complete_report(holes_[h], options_, report);
-    if (named_) {
-      tell_distance(cages_.tolerance(h), report);
-      tell_run_off(ground_, holes_[h], cages_.laid_out(h), cages_.inside(h), options_, report);
-    }
+    if (named_ || options_.tolerance) tell_distance(cages_.tolerance(h), report);
+    if (named_) tell_run_off(ground_, holes_[h], cages_.laid_out(h), cages_.inside(h), options_, report);
     report.cage_in_rows = in_rows_;
     if (in_rows_)
       report.method_reason = Message{Code::rows_continue};

@@ -26,6 +26,7 @@
 #include "tripatch/quads/quad_smoothing.h"
 #include "tripatch/quads/spread.h"
 #include "tripatch/report/crossings.h"
+#include "tripatch/report/dihedrals.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/disc.h"
 #include "tripatch/spline/plane_fill.h"
@@ -228,6 +229,11 @@ std::optional<PlaneLayout> paired_quads(const Mesh& mesh, const Connectivity& ar
   return layout;
 }
 
+/// Whether a fill is tangent to nothing, as a warning says of it.
+bool leaves_surroundings(const std::optional<Message>& plainer) {
+  return plainer && (plainer->code == Code::least_bending || plainer->code == Code::rim_alone_followed);
+}
+
 /// The fill of a part of a mesh. loops: of its border, the rim first.
 Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
                   const SplineFillOptions& options) {
@@ -295,8 +301,10 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
 
   Report& report = fill.report;
   report.method = spline_method;
-  report.seam_angle_max_by_side = report.seam_angle_rms_by_side = std::vector<double>(made.surface ? 1 : 0, 0.0);
-  report.continuity = std::vector(made.surface ? 1 : 0, SeamContinuity::g1);  // its surroundings are samples of the surface
+  const bool follows = made.surface && !leaves_surroundings(made.plainer);  // the surroundings are samples of the surface
+  report.seam_angle_max_by_side = report.seam_angle_rms_by_side = std::vector(follows ? 1 : 0, 0.0);
+  report.continuity = std::vector(follows ? 1 : 0, SeamContinuity::g1);
+  if (!follows && !creased) measure_dihedrals(mesh, around, fill);  // creases meet sharply
   report.surroundings_error = made.surroundings_error;
   report.rim_folded = made.rim_folds;
   measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, around, loops), report);

@@ -12,6 +12,7 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/height_models.h"
 #include "tripatch/math/thresholds.h"
+#include "tripatch/report/dihedrals.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
@@ -287,25 +288,6 @@ void keep_nearest(std::vector<Vec3>& samples, std::size_t rim) {
   std::nth_element(samples.begin() + static_cast<std::ptrdiff_t>(rim), samples.begin() + max_height_samples, samples.end(),
                    nearer);
   samples.resize(max_height_samples);
-}
-
-/// Degrees by which the new faces are turned from those beyond the rim: the most, and root mean square.
-void measure_dihedrals(const Mesh& mesh, const Connectivity& around, Fill& fill) {
-  const Index n = mesh.vertices.rows();
-  const auto at = [&](Index v) -> Vec3 { return v < n ? Vec3(mesh.vertices.row(v)) : Vec3(fill.vertices.row(v - n)); };
-  const auto normal = [&](std::span<const Index> f) -> Vec3 { return (at(f[1]) - at(f[0])).cross(at(f[2]) - at(f[0])); };
-  double sum = 0;
-  for (Index f = 0; f < fill.faces.size(); ++f)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Index a = fill.faces[f][k], b = fill.faces[f][(k + 1) % 3];
-      if (a >= n || b >= n) continue;
-      const auto beyond = around.edge(b, a);
-      if (!beyond) continue;
-      const double angle = degrees_between(normal(fill.faces[f]), normal(around.faces()[around.face(*beyond)]));
-      fill.report.seam_angle_max = std::max(fill.report.seam_angle_max, angle);
-      sum += angle * angle;
-    }
-  fill.report.seam_angle_rms = std::sqrt(sum / static_cast<double>(fill.rim.size()));
 }
 
 /// What is reported of a fill without a patch.

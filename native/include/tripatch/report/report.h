@@ -1,6 +1,7 @@
 // The numbers that a user is shown: how well the fill meets its surroundings, from exact derivatives by atan2.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <optional>
@@ -105,6 +106,11 @@ struct Report {
 /// What speaks against a fill where there is another: that it crosses itself, then its folded edges.
 inline std::pair<bool, Index> harm(const Report& report) { return {report.crosses_itself, report.triangles_folded}; }
 inline bool is_harmless(const Report& report) { return harm(report) == std::pair(false, Index{0}); }
+/// Whether a fill is not what was asked for: it folds where its rim leaves another way, crosses itself or misses its boundary.
+inline bool is_flawed(const Report& report) {
+  return report.triangles_folded > report.rim_folded || report.crosses_itself ||
+         std::ranges::count(report.continuity, SeamContinuity::none) > 0;
+}
 
 /// Takes the corners, places in the rim.
 void take_corners(const std::vector<Index>& rim, std::span<const Index> corners, Report& report);

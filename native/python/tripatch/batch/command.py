@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import __version__, arguments, messages, words
+from .. import __version__, arguments, borders, messages, words
 from ..errors import out_of_range
 from ..filling import fill_all
 from ..holes import choose_holes
@@ -28,6 +28,8 @@ from .settings import BATCH_OPTIONS, FILL, LIST, Settings
 
 DONE, NOTHING, USAGE, SOME, STOPPED = 0, 1, 2, 3, 130
 _WORST = 12  # seams in the picture
+_NAMED = 20  # files that failed: the lines have each
+_FAILED = (record.UNREADABLE, *record.PASSING)
 _CUT = 500  # MB of a file: a mesh takes some twenty times as much where it is filled as a whole
 
 
@@ -81,6 +83,7 @@ def add(commands: Any) -> None:
     batch.add_argument("--worst", type=_whole(0), **shown("worst_flag", default=_WORST))
     batch.add_argument("--blender", default="blender", **shown("blender_flag", default="blender"))
     batch.add_argument("--addon", **shown("addon_flag"))
+    batch.add_argument("--join", type=arguments.number, **shown("join_flag"))
     arguments.add_groups(batch, BATCH_OPTIONS.values())
     arguments.add_talk(batch)
 
@@ -118,11 +121,16 @@ def _settings(args: argparse.Namespace) -> tuple[list[Path], Settings]:
     found = inputs.from_list(args.files) if args.files else inputs.listed(args.inputs, out)
     root = inputs.root_of(found, args.root)
     given = {name: getattr(args, name) for name in BATCH_OPTIONS if hasattr(args, name)}
+    joining = {} if args.join is None else {"join": args.join}
+    blend = next((str(file) for file in found if file.suffix.lower() == ".blend"), None)
+    if joining and blend:
+        raise inputs.InputError(Message("options_exclusive", {"first": "--join", "second": blend}))
     # what no file could be filled with is said before the first
     asked = Settings("", "", given)
     choose_holes(np.eye(3), [[0, 1, 2]], **asked.choosing())
     fill_all(np.eye(3), [[0, 1, 2]], [], **asked.filling())
-    args.root, args.options = str(root), record.plain(given)
+    borders.find(np.eye(3), [[0, 1, 2]], **joining)
+    args.root, args.options = str(root), record.plain(given | joining)
     wanted = found
     if args.range:
         wanted = found[args.range[0] - 1 : args.range[1]]
@@ -240,7 +248,7 @@ def _summary(entries: Sequence[dict[str, Any]]) -> str:
     said: dict[str, Any] = {"holes": holes, "changed": sum(head["output"] is not None for head in heads), "files": len(heads)}
     counts = {name: sum(head[name] for head in heads) for name in ("refused", "folded")}
     said |= {name: count for name, count in counts.items() if count} | _of_unjoined(heads)
-    bad = [head["status"] for head in heads if head["status"] in (record.UNREADABLE, *record.PASSING)]
+    bad = [head["status"] for head in heads if head["status"] in _FAILED]
     if bad:
         said |= {"failed": len(bad), "kinds": [f"{bad.count(kind)} {kind}" for kind in dict.fromkeys(sorted(bad))]}
     return Message("batch_done", said)
@@ -250,6 +258,10 @@ def _end(args: argparse.Namespace, entries: Sequence[dict[str, Any]], settings: 
     """The lines, the picture, and the last words; the exit status."""
     out = Path(settings.out)
     lines = journal.write_lines(out, entries)
+    heads = [entry["lines"][0] for entry in entries]
+    failed = [head for head in heads if head["status"] in _FAILED]
+    for head in failed[:_NAMED]:
+        _say(Message("batch_file_failed", {"file": head["input"], "reason": head["reason"]}))
     print(_summary(entries))
     _tell_left_open(entries)
     print(Message("lines_written", {"path": str(lines)}))
@@ -266,8 +278,7 @@ def _end(args: argparse.Namespace, entries: Sequence[dict[str, Any]], settings: 
             needed = {"what": "--worst", "package": "Pillow", "install": "'tripatch[batch]'"}
             if args.worst is not None:
                 _say(Message("package_needed", needed))
-    heads = [entry["lines"][0]["status"] for entry in entries]
-    if all(status in (record.FILLED, record.NOTHING) for status in heads):
+    if all(head["status"] in (record.FILLED, record.NOTHING) for head in heads):
         return NOTHING if _filters_leave_all(entries) else DONE
     return SOME if total else NOTHING
 

@@ -125,7 +125,7 @@ def _diameter(points: Array) -> float:
 def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, wanted: tuple[Any, ...]) -> dict[str, Any]:
     mesh = files.read(file)
     vertices, faces = mesh.vertices, mesh.faces
-    holes = borders.find(vertices, faces, **settings.choosing())
+    holes = borders.find(vertices, faces, join=settings.options.get("join"), **settings.choosing())
     results: list[Any] = []
     try:
         if holes.rims and settings.mode != LIST:
@@ -146,7 +146,7 @@ def _done(file: Path, name: str, sha256: str, settings: Settings, begun: float, 
     if not len(faces):
         values["reason"] = str(files.without_faces(len(vertices)))
     if values["filled"]:
-        obstacle = _obstacle(mesh, [r for r in results if not isinstance(r, Refusal)], name, settings)
+        obstacle = _obstacle(mesh, holes.joined, [r for r in results if not isinstance(r, Refusal)], name, settings)
         if obstacle:
             failed = record.of_file(settings, name, sha256=sha256, status=record.NOT_WRITTEN, reason=obstacle)
             return entry(settings, name, sha256, [failed], begun)
@@ -203,12 +203,14 @@ def largest_creases(vertices: Array, faces: Any, results: Sequence[Any]) -> dict
     return dict.fromkeys(range(len(results))) | dict(zip(made, creases.largest(vertices, faces, fills), strict=True))
 
 
-def _obstacle(mesh: files.MeshFile, fills: list[Any], name: str, settings: Settings) -> str:
-    """Writes the file with its fills; why that cannot be done, else nothing."""
+def _obstacle(mesh: files.MeshFile, joined: borders.Joined | None, fills: list[Any], name: str, settings: Settings) -> str:
+    """Writes the file, its borders joined, with its fills; why that cannot be done, else nothing."""
     out = Path(settings.out, name)
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
         mesh = mesh.marked()
+        if joined:
+            mesh.join(joined)
         mesh.append_all(fills)
         mesh.write(out)
     except (files.FileError, OSError) as error:

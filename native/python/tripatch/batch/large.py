@@ -38,7 +38,7 @@ def is_cut(file: Path, settings: Settings, least: int) -> bool:
     options = settings.options
     output = options.get("output")
     splits = output == "quads" and options.get("odd") != "triangle"  # edges of old faces
-    whole = output == "cage" or options.get("surroundings") == "limit" or splits
+    whole = output == "cage" or options.get("surroundings") == "limit" or splits or "join" in options
     try:
         if whole or file.suffix.lower() != ".ply" or file.stat().st_size <= least:
             return False

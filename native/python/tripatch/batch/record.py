@@ -25,8 +25,6 @@ UNREADABLE, NOT_WRITTEN, CRASHED, TIME_LIMIT, MEMORY_LIMIT = "unreadable", "not 
 PASSING = (NOT_WRITTEN, CRASHED, TIME_LIMIT, MEMORY_LIMIT)
 LISTED, LEFT = "listed", "left"
 
-_NAMES = arguments.NAMES | {"join": "tripatch fill --join"}
-
 #: Codes of rims that lie upon other borders: faces meet there without being joined.
 _UNJOINED = {"edges_on_borders", "rim_on_borders"}
 
@@ -63,6 +61,8 @@ _REPORTED = {
     "surroundings_moved_max": None,
     "folds": None,
     "triangles_folded": None,
+    "rim_folded": None,
+    "is_flawed": None,
     "crosses_itself": None,
     "passes_through": None,
     "warnings": None,
@@ -123,7 +123,7 @@ def of_file(settings: Settings, name: str, **values: Any) -> dict[str, Any]:
 def of_hole(settings: Settings, name: str, result: Any = None, **values: Any) -> dict[str, Any]:
     """The line of a hole: `result` is a Fill or a Refusal."""
     if isinstance(result, Refusal):
-        values |= {"status": REFUSED, "reason": result.worded(names=_NAMES), "where": list(result.where)[:_WHERE]}
+        values |= {"status": REFUSED, "reason": result.worded(names=arguments.NAMES), "where": list(result.where)[:_WHERE]}
         values |= {"codes": [each.code for each in result.messages]}
     elif result is not None:
         values |= {"status": FILLED, "new_vertices": len(result.vertices), "new_faces": len(result.faces)}
@@ -136,9 +136,6 @@ def of_hole(settings: Settings, name: str, result: Any = None, **values: Any) ->
 def reported(report: dict[str, Any]) -> dict[str, Any]:
     """What a line says of a fill's report."""
     values = {name: report.get(name) for name in _REPORTED}
-    # a fill without sides: no angle was measured, which is not 0
-    if report.get("method") in ("polyharmonic_spline", "quad_rows"):
-        values |= dict.fromkeys(("continuity", "seam_angle_max", "seam_angle_rms"))
     cage = report.get("cage_deviation_max")
     return values | {"fairing": report.get("fairing") or None} | ({} if cage else dict.fromkeys(_OF_CAGES))
 
@@ -146,10 +143,10 @@ def reported(report: dict[str, Any]) -> dict[str, Any]:
 def outcome(holes: list[dict[str, Any]]) -> dict[str, Any]:
     """What the line of a file says of its holes."""
     count = {status: sum(hole["status"] == status for hole in holes) for status in (FILLED, REFUSED, LEFT, LISTED)}
-    folded = sum((hole["triangles_folded"] or 0) > 0 for hole in holes)
+    folded = sum((hole["triangles_folded"] or 0) > (hole["rim_folded"] or 0) for hole in holes)
     if count[FILLED]:
-        crossing = any(hole["crosses_itself"] or hole["passes_through"] for hole in holes)
-        status = PARTLY if count[REFUSED] or folded or crossing else FILLED
+        flawed = any(hole["is_flawed"] or hole["passes_through"] for hole in holes)
+        status = PARTLY if count[REFUSED] or flawed else FILLED
     else:
         status = LISTED if count[LISTED] else REFUSED if count[REFUSED] else NOTHING
     values = {"status": status, "holes": len(holes), "folded": folded, "left": count[LEFT]}

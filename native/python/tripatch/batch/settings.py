@@ -20,7 +20,7 @@ class Settings:
     Attributes:
         root: folder that all inputs lie in; records name them from there.
         out: folder of the results, laid out as below root.
-        options: those of BATCH_OPTIONS that were given, as JSON holds them.
+        options: those of BATCH_OPTIONS that were given, and the distance `join`, as JSON holds them.
         version: of TriPatch, the same wherever a part of the run is.
         mode: FILL; LIST: say which holes there are; CROP: what the picture of some holes needs.
         time_limit: seconds a file; None: none.
@@ -47,8 +47,11 @@ class Settings:
 
     def choosing(self) -> dict[str, Any]:
         """The options that say which holes are meant."""
-        return {name: value for name, value in self.options.items() if "choose_holes" in OPTIONS[name].functions}
+        return {name: value for name, value in self._of_fills().items() if "choose_holes" in OPTIONS[name].functions}
 
     def filling(self) -> dict[str, Any]:
         """The options that say how they are filled."""
-        return {name: value for name, value in self.options.items() if "choose_holes" not in OPTIONS[name].functions}
+        return {name: value for name, value in self._of_fills().items() if "choose_holes" not in OPTIONS[name].functions}
+
+    def _of_fills(self) -> dict[str, Any]:
+        return {name: value for name, value in self.options.items() if name != "join"}

@@ -74,6 +74,8 @@ class StlFile(MeshFile):
             if len(data) < 84 + 50 * count:
                 held = (len(data) - 84) // 50
                 raise FileError(Message("file_ends_early", {"format": "STL", "announced": count, "held": held}))
+            if len(data) - (84 + 50 * count) > 50 * count:  # more than some writers leave
+                raise damaged("STL")
             records = np.frombuffer(data, _STL_RECORD, count, 84)
             corners = records["corners"]
             self._part_of = records["attribute"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import re
 import secrets
@@ -57,6 +58,8 @@ def write_over(path: Path, save: Callable[[Path], object]) -> None:
             before = None
         if before and stat.S_ISDIR(before.st_mode):
             raise IsADirectoryError(Message("is_a_folder"))
+        if before and not os.access(target, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
         through = before and (before.st_nlink > 1 or not stat.S_ISREG(before.st_mode))  # it has other names, or is a device
         part = target.with_name(f".tripatch-{secrets.token_hex(6)}.part")
         if before and not stat.S_ISREG(before.st_mode):  # where nothing can be next to it
