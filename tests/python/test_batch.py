@@ -142,8 +142,8 @@ FILE = (
 HOLE = (
     "schema line tripatch options input object hole outer vertex edges diameter status reason where new_vertices new_faces "
     "crease_max method method_reason corners continuity fairing seam_angle_max seam_angle_rms surroundings_error deviation_max "
-    "cage_deviation_max surroundings_moved_max folds triangles_folded rim_folded is_flawed crosses_itself passes_through warnings "
-    "codes"
+    "cage_deviation_max surroundings_moved_max folds triangles_folded rim_folded is_flawed crosses_itself passes_through "
+    "warnings codes"
 ).split()
 
 
