@@ -85,6 +85,9 @@ def test_options_that_only_papers_need_are_in_their_group():
         (["fill", "IN", "OUT", "--face=quads"], "--faces"),
         (["batch", "IN", "-o", "OUT", "--worker", "2"], "--workers"),
         (["view", "IN", "OUT.png", "--zebr"], "--zebra"),
+        (["fill", "IN", "OUT", "--quads"], "--faces quads"),
+        (["fill", "IN", "OUT", "--polyharmonic-spline"], "--method polyharmonic_spline"),
+        (["fill", "IN", "OUT", "--cage_rim", "exact"], "--cage-rim"),
     ],
 )
 def test_an_unknown_command_or_option_is_suggested_a_known_one(given, meant, capsys):
@@ -92,6 +95,12 @@ def test_an_unknown_command_or_option_is_suggested_a_known_one(given, meant, cap
     assert (code, out) == (2, "")
     assert f"Did you mean {meant}?" in err
     assert "mean --output?" not in run(capsys, "fill", "IN", "OUT", "--outputt", "quads")[2]  # a hidden name is not suggested
+
+
+@pytest.mark.parametrize("given", ["--triangulate-it", "--smooth-it", "--frobnicate"])
+def test_an_option_that_resembles_none_gets_no_suggestion(given, capsys):
+    code, _, err = run(capsys, "fill", "IN", "OUT", given)
+    assert code == 2 and "Did you mean" not in err
 
 
 @pytest.mark.parametrize("command", ["fill", "batch"])

@@ -15,6 +15,7 @@ from ._native import Option
 from .errors import meant, not_one_of
 from .messages import Message
 from .options import OPTIONS, described, groups
+from .options import names as names_of
 
 
 def unreadable(text: str, example: str) -> argparse.ArgumentTypeError:
@@ -44,7 +45,7 @@ def indices(text: str) -> list[int]:
 
 
 def _indices_or_none(text: str) -> list[int]:
-    return [] if text.lower() == "none" else indices(text)
+    return [] if text.lower() in ("none", "") else indices(text)
 
 
 def _by_side(kind: Callable[..., Any], word: str) -> Callable[..., Any]:
@@ -310,5 +311,16 @@ class Parser(argparse.ArgumentParser):
             raise argparse.ArgumentError(None, said) from None
 
     def _meant(self, word: str) -> dict[str, str]:
-        shown = [name for action in self._actions if action.help != argparse.SUPPRESS for name in action.option_strings]
-        return meant(word.partition("=")[0], shown) if word.startswith("--") else {}
+        if not word.startswith("--"):
+            return {}
+        name = word.partition("=")[0][2:]
+        shown = [each for action in self._actions if action.help != argparse.SUPPRESS for each in action.option_strings]
+        own = {option: flag(option) for option in OPTIONS if flag(option) in shown}
+        value = name.replace("-", "_")
+        of_values = [f"{each} {value}" for option, each in own.items() if value in names_of(OPTIONS[option])]
+        if len(of_values) == 1:  # the value of one option
+            return {"meant": of_values[0]}
+        if name in own:  # as Python calls it
+            return {"meant": own[name]}
+        near = meant(name, [each[2:] for each in shown if each.startswith("--")])  # "--" would make all names alike
+        return {"meant": f"--{near['meant']}"} if near else {}
