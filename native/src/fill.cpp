@@ -26,7 +26,6 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
-#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/edge_key.h"
 #include "tripatch/output/leaned.h"
 #include "tripatch/output/shaped.h"
@@ -37,19 +36,6 @@
 
 namespace tripatch {
 namespace {
-
-/// Extra rows of quads that may be asked for: a bound against slips of the hand, far beyond what any fill has room for.
-constexpr int max_rows = count::hundred;
-
-void check_options(const FillOptions& options) {
-  check(options);
-  const bool triangles = options.output == Output::triangles;
-  if (options.resolution && triangles && *options.resolution < 1)
-    throw CodedArgument(Code::out_of_range, {{"name", "resolution"}, {"least", 1}, {"value", *options.resolution}});
-  if (options.resolution && !triangles && *options.resolution > max_rows)
-    throw CodedArgument(Code::out_of_range,
-                        {{"name", "resolution"}, {"from", 0}, {"to", max_rows}, {"value", *options.resolution}});
-}
 
 /// Whether a method is requested that fills between three sides and nothing else.
 bool wants_three(const FillOptions& options) {
@@ -213,7 +199,7 @@ void check_met(const char* option, const std::vector<std::string>& methods, bool
 }
 
 void check_for_holes(const FillOptions& options) {
-  check_options(options);
+  check(options);
   check_corners(options.corners);
   if (options.method != automatic_method && !find_method(options.method).fills_holes)
     throw CodedArgument(Code::method_of_function, {{"method", options.method}, {"function", "tripatch.blend"}});

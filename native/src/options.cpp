@@ -7,6 +7,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/fill_result.h"
 #include "tripatch/output/shaped.h"
@@ -92,6 +93,15 @@ void check_number(const std::string& name, const Range& range, double value) {
   said.emplace_back(range.open ? (ends ? "after" : "above") : ends ? "from" : "least", text(range.least));
   if (ends) said.emplace_back(range.open ? "before" : "to", text(range.most));
   throw CodedArgument(Code::out_of_range, std::move(said));
+}
+
+/// Extra rows of quads that may be asked for: a bound against slips of the hand, far beyond what any fill has room for.
+constexpr int max_rows = count::hundred;
+/// Edges along a side, as in options.def.
+constexpr int max_edges = 10'000;
+
+void check_resolution(int value, bool triangles) {
+  check_number("resolution", triangles ? Range{1, max_edges} : Range{0, max_rows}, value);
 }
 
 void check_value(const Option& option, double value) { check_number(option.name, option.range, value); }
@@ -311,6 +321,7 @@ void refuse_isometric() {
 }
 
 void check(const FillOptions& given) {
+  if (given.resolution) check_resolution(*given.resolution, given.output == Output::triangles);
 #define OPTION(type, name, value, ...) check_value(option_named(#name), given.name);
 #define OPTION_AT(path, name, ...) check_value(option_named(#name), given.path);
 #include "tripatch/options.def"

@@ -46,7 +46,7 @@ TEST_CASE("triangles have one edge a side or more, quads a hundred extra rows at
       options.resolution = resolution;
     });
   };
-  CHECK_THROWS_WITH(with(Output::triangles, 0), "resolution must be 1 or more, not 0");
+  CHECK_THROWS_WITH(with(Output::triangles, 0), "resolution must be from 1 to 10000, not 0");
   CHECK_NOTHROW(with(Output::triangles, 1));
   CHECK_THROWS_WITH(with(Output::quads, 101), "resolution must be from 0 to 100, not 101");
   CHECK_NOTHROW(with(Output::quads, 100));

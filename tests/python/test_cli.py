@@ -183,9 +183,10 @@ def test_sentences_on_one_hole_of_several_name_it():
 
 def test_all_rims_may_be_called_round(two, tmp_path, capsys):
     out = tmp_path / "out.obj"
-    code, text, _ = run(capsys, "fill", two, out, "--all", "--corners", "none", "--report", tmp_path / "r.json")
-    assert code == 0 and text.startswith("Filled 2 holes")
-    assert [hole["corners"] for hole in json.loads((tmp_path / "r.json").read_text())["holes"]] == [[], []]
+    for none in (["--corners", "none"], ["--corners="], ["--corners", ""]):
+        code, text, _ = run(capsys, "fill", two, out, "--all", *none, "--report", tmp_path / "r.json")
+        assert code == 0 and text.startswith("Filled 2 holes")
+        assert [hole["corners"] for hole in json.loads((tmp_path / "r.json").read_text())["holes"]] == [[], []]
 
 
 def test_all_refused(tmp_path, capsys):
@@ -282,7 +283,10 @@ def test_a_protected_file_is_not_written_over(one, tmp_path, capsys, monkeypatch
     ("args", "said"),
     [
         (["--method", "none_such"], "--method must be one of"),
-        (["--resolution", "0"], "--resolution must be 1 or more, not 0"),
+        (["--resolution", "0"], "--resolution must be from 1 to 10000, not 0"),
+        (["--resolution", "10001"], "--resolution must be from 1 to 10000, not 10001"),
+        (["--faces", "quads", "--resolution", "-1"], "--resolution must be from 0 to 100, not -1"),
+        (["--faces", "quads", "--resolution", "101"], "--resolution must be from 0 to 100, not 101"),
         (["--resolution", "x"], "--resolution: 'x' cannot be read"),
         (["--bulge", ",".join("1" * 13)], "for example, 1,0.5,1"),
         (["--bulge", "-1"], "bulge"),

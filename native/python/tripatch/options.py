@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import math
 import numbers
 import textwrap
 import types
@@ -63,6 +64,8 @@ def _wrong_count(option: Option, given: int) -> ValueError:
 
 
 def _whole(value: Any, option: Option) -> Any:
+    if option.name == "resolution" and isinstance(value, numbers.Integral) and abs(int(value)) <= _LARGEST:
+        return whole(value, option.name, -math.inf, math.inf)  # the core checks the range, which depends on the output
     if option.count == 1:
         return whole(value, option.name, option.range.least, option.range.most)
     numbers_given = tuple(value) if isinstance(value, Iterable) else (value,)
