@@ -207,6 +207,16 @@ def test_a_coarse_mesh_is_said_to_be_coarse_and_its_seam_is_not():
     assert words.filled([fill.report] * 2) == f"Filled 2 holes; seam within {seam} (accuracy of the mesh: {accuracy})"
 
 
+def test_what_is_wrong_with_faces_is_said():
+    with pytest.raises(tripatch.Refusal, match="The mesh has no faces, only 6 vertices") as found:
+        tripatch.fill(OCTAHEDRON, [])
+    assert found.value.code == "mesh_without_faces"
+    with pytest.raises(tripatch.Refusal, match=r"The mesh has no faces\. A hole is a gap between faces"):
+        tripatch.fill([], np.zeros((0, 3), int))
+    with pytest.raises(ValueError, match=r"faces must have shape \(m, 3\) or \(m, 4\), not \(3, 2\)"):
+        tripatch.fill(OCTAHEDRON, np.zeros((3, 2), int))
+
+
 def flat_with_a_hole(n=14):
     x, y = np.meshgrid(np.arange(n), np.arange(n))
     vertices = np.column_stack([x.ravel(), y.ravel(), 0 * x.ravel()]).astype(float)

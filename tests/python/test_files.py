@@ -621,9 +621,21 @@ def test_without_meshio(tmp_path, monkeypatch):
     assert ".vtk needs meshio: pip install tripatch[files]" in refused(b"# vtk DataFile Version 3.0\n", "a.vtk", tmp_path)
 
 
-def test_vtk_errors(tmp_path):
+@pytest.mark.parametrize("suffix", [".usda", ".usdc"])
+def test_usd_errors_name_no_code_of_usd(suffix, tmp_path):
+    pytest.importorskip("pxr", reason="usd-core is not installed")
+    assert refused(b"nonsense\n", f"a{suffix}", tmp_path).endswith("The USD file is damaged, or of another format")
+
+
+def test_vtk_errors(tmp_path, capfd):
     pytest.importorskip("meshio")
-    assert "cannot be read: meshio cannot read the file" in refused(b"nonsense\n", "a.vtk", tmp_path)
+    assert "cannot be read: The VTK file is damaged, or of another format" in refused(b"nonsense\n", "a.vtk", tmp_path)
+    cut = b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0\n"
+    assert refused(cut, "a.vtk", tmp_path).endswith("The VTK file is damaged, or of another format")
+    assert refused(b"nonsense\n", "a.md", tmp_path).endswith(
+        ".md files cannot be read as meshes. Use one of .obj, .ply, .stl, .off, .glb, .gltf, .3mf, .usd, .vtk"
+    )
+    assert capfd.readouterr() == ("", ""), "meshio prints nothing"
     assert "cannot be read" in refused(b"nonsense\n", "a.xyz", tmp_path)
 
 

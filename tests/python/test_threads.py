@@ -40,8 +40,9 @@ def test_fewer_threads_than_one_are_a_value_error(n):
 
 
 def test_a_number_of_threads_is_whole():
-    with pytest.raises(TypeError):
-        tripatch.set_threads(1.5)
+    for n in (1.5, "a", True):
+        with pytest.raises(TypeError, match=r"^n must be of type int \| None, not "):
+            tripatch.set_threads(n)
 
 
 def test_several_threads_that_fill_at_once_get_the_same():

@@ -105,7 +105,7 @@ def faces(value: Any) -> tuple[Array, Array]:
         if value.dtype.kind not in "iu":
             raise TypeError(Message("not_indices", {"name": "faces", "given": str(value.dtype)}))
         if value.ndim != 2 or value.shape[1] < 3:
-            raise wrong_shape("faces", "(m, 3)", value.shape)
+            raise wrong_shape("faces", "(m, 3) or (m, 4)", value.shape)
         corners = np.ascontiguousarray(value, dtype=np.int64).reshape(-1)
         return np.arange(0, corners.size + 1, value.shape[1], dtype=np.int64), corners
     wrong = wrong_type("faces", "ndarray | Sequence[Sequence[int]]", value)
@@ -208,6 +208,19 @@ def mesh(vertices: ArrayLike, face_list: Faces) -> tuple[Array, Array, Array]:
         face = int(np.searchsorted(offsets, place, "right")) - 1
         raise no_such_vertex(f"faces[{face}]", int(corners[place]), len(v))
     return v, offsets, corners
+
+
+def parts(mesh: Any, face_list: Any, function: str) -> tuple[Any, Any]:
+    """Vertices and faces as a caller gives them: both, or one mesh that has both, or a pair."""
+    whole = hasattr(mesh, "vertices") and hasattr(mesh, "faces")
+    if face_list is None and whole:
+        return mesh.vertices, mesh.faces
+    if face_list is None and isinstance(mesh, tuple) and len(mesh) == 2:
+        return mesh
+    if face_list is None or whole:
+        kind = type(mesh).__name__ + (" and faces" if whole else "")
+        raise TypeError(Message("mesh_needed", {"function": f"{function}()", "type": kind}))
+    return mesh, face_list
 
 
 def no_such_vertex(name: str, vertex: int, count: int) -> ValueError:

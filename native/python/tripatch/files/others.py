@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import re
 import warnings
 from collections.abc import Hashable
@@ -15,7 +17,7 @@ from ..messages import Message
 from .continued import Continued
 from .evidence import FILL
 from .mesh_file import MeshFile
-from .writing import FileError
+from .writing import FileError, damaged
 
 
 def _meshio(suffix: str) -> Any:
@@ -29,6 +31,8 @@ def _meshio(suffix: str) -> Any:
 
 #: Formats that have a place for any number of a cell.
 _WITH_MARKS = (".vtk", ".vtu", ".xdmf")
+#: What is read and written without meshio.
+_KNOWN = [".obj", ".ply", ".stl", ".off", ".glb", ".gltf", ".3mf", ".usd"]
 _SURFACE_CELLS = ("triangle", "quad", "polygon")
 
 
@@ -53,12 +57,14 @@ class MeshioFile(MeshFile):
     def check_suffix(suffix: str) -> None:
         """Raises FileError for a format that meshio does not write."""
         if suffix.lower() not in _meshio(suffix).extension_to_filetypes:
-            known = [".obj", ".ply", ".stl", ".off", ".glb", ".gltf", ".3mf", ".usd"]
-            raise FileError(Message("suffix_unwritable", {"suffix": suffix, "suffixes": known}))
+            raise FileError(Message("suffix_unwritable", {"suffix": suffix, "suffixes": _KNOWN}))
 
     @classmethod
     def of_path(cls, path: Path) -> MeshioFile:
         meshio = _meshio(path.suffix)
+        endings = ["".join(path.suffixes[k:]).lower() for k in range(len(path.suffixes))]  # some formats have two, .vol.gz
+        if not any(each in meshio.extension_to_filetypes for each in endings):
+            raise FileError(Message("suffix_unreadable", {"suffix": path.suffix, "suffixes": [*_KNOWN, ".vtk"]}))
         options: dict[str, Any] = {}
         if path.suffix.lower() == ".vtk":
             with path.open("rb") as file:
@@ -66,11 +72,16 @@ class MeshioFile(MeshFile):
             options["binary"] = head[2].strip().upper() == b"BINARY"
             version = re.search(rb"Version\s+(\d+)", head[0])
             options["file_format"] = "vtk42" if version and int(version[1]) < 5 else "vtk"
+        said = io.StringIO()  # meshio prints what is wrong, and ends the process
         try:
-            mesh = meshio.read(path)
-        except (Exception, SystemExit) as error:  # meshio ends the process on a suffix that it does not know
-            said = {"package": "meshio", "reason": str(error) or type(error).__name__}
-            raise FileError(Message("package_cannot_read", said)) from error
+            with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+                mesh = meshio.read(path)
+        except OSError:
+            raise
+        except ImportError as error:
+            raise FileError(Message("package_cannot_read", {"package": "meshio", "reason": str(error)})) from error
+        except (Exception, SystemExit) as error:
+            raise damaged(path.suffix[1:].upper()) from error
         made = cls(mesh, path.suffix, options)
         made.suffix = path.suffix
         return made

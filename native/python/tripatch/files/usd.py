@@ -19,7 +19,7 @@ from ..messages import Message
 from . import evidence
 from .mesh_file import MeshFile
 from .scene import Addition, Part, SceneFile, blended
-from .writing import FileError
+from .writing import FileError, damaged
 
 _MARK = f"primvars:{evidence.FILL}"
 _PER_POINT = ("vertex", "varying")
@@ -112,9 +112,8 @@ class UsdFile(SceneFile):
             is_text = not file.read(8).startswith(b"PXR-USDC")
         try:
             made = cls(modules.Sdf.Layer.OpenAsAnonymous(str(path.absolute())), path.suffix, path.parent.absolute())
-        except (modules.Tf.ErrorException, AttributeError) as error:
-            reason = (str(error).strip().splitlines() or [type(error).__name__])[-1].strip()
-            raise FileError(Message("package_cannot_read", {"package": "usd-core", "reason": reason})) from None
+        except (modules.Tf.ErrorException, AttributeError) as error:  # it says where in the code of USD
+            raise damaged("USD") from error
         made._is_text = is_text
         return made
 
