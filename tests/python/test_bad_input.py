@@ -80,7 +80,7 @@ def soup():
 
 REFUSED = {
     "no hole": ((OCTAHEDRON, EIGHT, {}), "no_border", False),
-    "nothing": ((np.zeros((0, 3)), [], {}), "no_border", False),
+    "nothing": ((np.zeros((0, 3)), [], {}), "mesh_without_faces", False),
     "two corners": ((*around(polygon(2)), {"rim": range(16), "method": "side_vertex"}), "not_three_corners", True),
     "four corners": ((*around(polygon(4)), {"method": "side_vertex"}), "not_three_corners", True),
     "five corners": ((*around(polygon(5)), {"method": "side_vertex"}), "not_three_corners", True),

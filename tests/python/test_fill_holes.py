@@ -262,6 +262,41 @@ def test_write_takes_pairs_and_meshes_and_says_what_it_needs(tmp_path, trimesh):
         tripatch.write(tmp_path / "a.none", (vertices, faces))
 
 
+def test_a_mesh_or_a_pair_may_be_given_in_place_of_vertices_and_faces(trimesh):
+    vertices, faces = sheet()
+    expected = tripatch.fill(vertices, faces)
+    holes = tripatch.choose_holes(vertices, faces)
+    for mesh in ((vertices, faces), trimesh.Trimesh(vertices, faces, process=False)):
+        assert np.array_equal(tripatch.fill(mesh).vertices, expected.vertices)
+        assert np.array_equal(tripatch.fill_all(mesh)[0].vertices, expected.vertices)
+        assert all(map(np.array_equal, tripatch.choose_holes(mesh), holes))
+        assert len(tripatch.outer_borders(mesh)) == 1
+    points, triangles = tripatch.fill_holes((vertices, faces))
+    assert np.array_equal(triangles, tripatch.fill_holes(vertices, faces)[1])
+    assert isinstance(tripatch.fill_holes((points, triangles)), tuple), "what comes back is taken again"
+
+
+def test_a_mesh_and_faces_are_too_much(trimesh):
+    mesh = trimesh.Trimesh(*sheet(), process=False)
+    for function in (tripatch.fill, tripatch.fill_all, tripatch.fill_holes):
+        with pytest.raises(TypeError, match="needs vertices and faces, or one mesh that has both.*, not Trimesh and faces"):
+            function(mesh, mesh.faces)
+        with pytest.raises(TypeError, match=r"or one mesh that has both.*, not ndarray"):
+            function(mesh.vertices.view(np.ndarray))
+
+
+def test_one_fill_may_be_merged_but_none_twice():
+    vertices, faces = sheet()
+    fill = tripatch.fill(vertices, faces)
+    merged = tripatch.merge(vertices, faces, fill)
+    assert all(map(np.array_equal, merged, tripatch.merge(vertices, faces, [fill])))
+    assert all(map(np.array_equal, merged, tripatch.merge(vertices, faces, (each for each in [fill]))))
+    with pytest.raises(ValueError, match=f"Two of the fills close the same hole, at vertex {min(fill.rim)}"):
+        tripatch.merge(vertices, faces, [fill, fill])
+    with pytest.raises(TypeError, match=r"fills must be of type Fill \| Sequence\[Fill\]"):
+        tripatch.merge(vertices, faces, 3)
+
+
 def cut_by_a_seam():
     """The flat sheet of triangles whose texture coordinates part along x = N / 2, through the hole: vertices there are double."""
     vertices, faces = sheet()

@@ -255,8 +255,8 @@ def vertex_normals(vertices: ArrayLike, faces: Faces, corner_normals: ArrayLike 
 def angles(a: ArrayLike, b: ArrayLike) -> Floats: ...
 def find_holes(faces: Faces) -> list[Indices]: ...
 def choose_holes(
-    vertices: ArrayLike,
-    faces: Faces,
+    vertices: Any,
+    faces: Faces | None = None,
     *,
     # begin choose_holes: scripts/stubs
     max_edges: int | None = None,
@@ -268,11 +268,11 @@ def choose_holes(
 def find_corners(
     vertices: ArrayLike, faces: Faces, rim: Sequence[int] | Indices, *, replaced: Sequence[int] = (), any_number: bool = False
 ) -> Indices: ...
-def outer_borders(vertices: ArrayLike, faces: Faces) -> list[Indices]: ...
+def outer_borders(vertices: Any, faces: Faces | None = None) -> list[Indices]: ...
 def is_outer_border(vertices: ArrayLike, faces: Faces, rim: Sequence[int] | Indices, *, of_sheet: bool = False) -> bool: ...
 def fill(
-    vertices: ArrayLike,
-    faces: Faces,
+    vertices: Any,
+    faces: Faces | None = None,
     *,
     progress: Callable[[int, int], object] | None = None,
     # begin fill: scripts/stubs
@@ -312,8 +312,8 @@ class Fills(list[Fill | Refusal]):
     outer_borders: list[Indices]
 
 def fill_all(
-    vertices: ArrayLike,
-    faces: Faces,
+    vertices: Any,
+    faces: Faces | None = None,
     rims: Sequence[Sequence[int] | Indices] | None = None,
     *,
     corners: Sequence[Sequence[int] | Indices | None] | None = None,
@@ -392,7 +392,7 @@ def fill_holes(
     outer: bool = False,
     # end
 ) -> Any: ...
-def merge(vertices: ArrayLike, faces: Faces, fills: Sequence[Fill | Refusal]) -> tuple[Floats, Any]: ...
+def merge(vertices: ArrayLike, faces: Faces, fills: Fill | Refusal | Sequence[Fill | Refusal]) -> tuple[Floats, Any]: ...
 
 class HolesReport:
     results: list[Fill | Refusal]

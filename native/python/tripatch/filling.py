@@ -13,7 +13,7 @@ import numpy as np
 
 from . import _arrays, _native, passages, words
 from ._native import Patch, Report, Side
-from ._types import Array, ArrayLike, Faces
+from ._types import Array, Faces
 from .borders import Holes, Joined
 from .errors import Refusal, not_one_of
 from .holes import SURROUNDING_RINGS
@@ -339,7 +339,9 @@ def _split(face: list[int], splits: dict[frozenset[int], int]) -> list[int]:
 
 
 @takes_options
-def fill(vertices: ArrayLike, faces: Faces, *, progress: Callable[[int, int], object] | None = None, **options: Any) -> Fill:
+def fill(
+    vertices: Any, faces: Faces | None = None, *, progress: Callable[[int, int], object] | None = None, **options: Any
+) -> Fill:
     """Fills one hole.
 
     Args:
@@ -356,7 +358,9 @@ def fill(vertices: ArrayLike, faces: Faces, *, progress: Callable[[int, int], ob
         TypeError, ValueError: wrong types, shapes, ranges or names.
     """
     given = checked("fill", options)
-    v, offsets, corners = _arrays.mesh(vertices, faces)
+    v, offsets, corners = _arrays.mesh(*_arrays.parts(vertices, faces, "fill"))
+    if not len(corners):
+        raise Refusal.of(Message("mesh_without_faces", {"points": len(v)} if len(v) else {}))
     made = _native._fill(v, offsets, corners, not_at_default("fill", given), progress)
     rim = given["rim"] if given["rim"] is not None else _from_lowest(made.rim)
     filled = Fill(made, Source("fill", v, offsets, corners, options, rim))
@@ -373,8 +377,8 @@ def _from_lowest(rim: Array) -> list[int]:
 
 @takes_options
 def fill_all(
-    vertices: ArrayLike,
-    faces: Faces,
+    vertices: Any,
+    faces: Faces | None = None,
     rims: Any = None,
     *,
     corners: Any = None,
@@ -406,7 +410,7 @@ def fill_all(
         new vertices from n on its own. Its `outer_borders` are the border loops left open as outer ones.
     """
     given = checked("fill_all", options)
-    v, offsets, face_corners = _arrays.mesh(vertices, faces)
+    v, offsets, face_corners = _arrays.mesh(*_arrays.parts(vertices, faces, "fill_all"))
     choosing = [name for name in options if "choose_holes" in OPTIONS[name].functions]
     if rims is not None and choosing:
         raise ValueError(Message("options_exclusive", {"first": "rims", "second": choosing[0]}))

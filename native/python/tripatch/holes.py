@@ -32,7 +32,7 @@ SURROUNDING_RINGS: int = _native.surrounding_rings
 
 
 @takes_options
-def choose_holes(vertices: ArrayLike, faces: Faces, **options: Any) -> list[Array]:
+def choose_holes(vertices: Any, faces: Faces | None = None, **options: Any) -> list[Array]:
     """The border loops of a mesh that `fill_all` fills where none are named.
 
     Args:
@@ -44,10 +44,10 @@ def choose_holes(vertices: ArrayLike, faces: Faces, **options: Any) -> list[Arra
         An int array for each loop, as `find_holes` has it.
     """
     given = checked("choose_holes", options)
-    return _native.ConnectedMesh(*_arrays.mesh(vertices, faces)).chosen(given)
+    return _native.ConnectedMesh(*_arrays.mesh(*_arrays.parts(vertices, faces, "choose_holes"))).chosen(given)
 
 
-def outer_borders(vertices: ArrayLike, faces: Faces) -> list[Array]:
+def outer_borders(vertices: Any, faces: Faces | None = None) -> list[Array]:
     """The border loops that `fill` and `fill_all` leave open unless they are named or `outer` is given.
 
     A border is an outer one if it turns the other way than a hole as a whole, and no border of its connected component is longer.
@@ -60,7 +60,7 @@ def outer_borders(vertices: ArrayLike, faces: Faces) -> list[Array]:
     Returns:
         An int array for each loop, as `find_holes` has it.
     """
-    return _native.ConnectedMesh(*_arrays.mesh(vertices, faces)).outer_borders()
+    return _native.ConnectedMesh(*_arrays.mesh(*_arrays.parts(vertices, faces, "outer_borders"))).outer_borders()
 
 
 def find_corners(vertices: ArrayLike, faces: Faces, rim: ArrayLike, *, replaced: Any = (), any_number: bool = False) -> Array:

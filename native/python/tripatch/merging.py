@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -113,23 +113,36 @@ def _split(corners: Array, sizes: Array, a: int, b: int, new: int) -> tuple[Arra
     return np.insert(corners, at + 1, new), sizes
 
 
-def merge(vertices: ArrayLike, faces: Faces, fills: Sequence[Fill | Refusal]) -> tuple[Array, Any]:
+def merge(vertices: ArrayLike, faces: Faces, fills: Fill | Refusal | Sequence[Fill | Refusal]) -> tuple[Array, Any]:
     """A mesh with fills in place.
 
     Args:
         vertices: (n, 3) positions.
         faces: (m, 3) or (m, 4) int array, or a list of index lists.
-        fills: `Fill` objects of this mesh, or all that `fill_all` returns, which joins borders too; a `Refusal` adds nothing.
+        fills: one `Fill` of this mesh or several, or all that `fill_all` returns, which joins borders too; a `Refusal` adds
+            nothing.
 
     Returns:
         Vertices: the mesh's own, where neither a cage option nor `join` moved them, then those of each fill. Faces: the mesh's
         own without those that a fill replaces, with triangles that `join` splits as several, then those of each fill; an array
         (m, 3) or (m, 4) if all have as many corners, else index lists, and lists where lists were given.
+
+    Raises:
+        ValueError: two of the fills close the same hole.
     """
-    for each in fills:
+    if not isinstance(fills, Fill | Refusal | Iterable):
+        raise wrong_type("fills", "Fill | Sequence[Fill]", fills)
+    results = [fills] if isinstance(fills, Fill | Refusal) else list(fills)
+    rims = set[frozenset[int]]()
+    for each in results:
         if not isinstance(each, Fill | Refusal):
-            raise wrong_type("fills", "Sequence[Fill]", fills)
-    whole = _Merged(vertices, faces, fills, fills.joined if isinstance(fills, Fills) else None)
+            raise wrong_type("fills", "Fill | Sequence[Fill]", fills)
+        if isinstance(each, Fill):
+            rim = frozenset(each.rim.tolist())
+            if rim in rims:
+                raise ValueError(Message("hole_filled_twice", {}, [min(rim)]))
+            rims.add(rim)
+    whole = _Merged(vertices, faces, results, fills.joined if isinstance(fills, Fills) else None)
     return whole.vertices, _like(faces, whole.offsets, whole.corners)
 
 
@@ -178,12 +191,11 @@ def fill_holes(
         FillWarning: holes that were refused, and warnings of fills, where no report was asked for.
     """
     mesh = mesh_or_vertices
-    if faces is None and not (hasattr(mesh, "vertices") and hasattr(mesh, "faces")):
-        raise TypeError(Message("mesh_needed", {"function": "fill_holes()", "type": type(mesh).__name__}))
-    vertices, own = (mesh, faces) if faces is not None else (mesh.vertices, mesh.faces)
+    vertices, own = _arrays.parts(mesh, faces, "fill_holes")
+    as_pair = not hasattr(mesh, "vertices")
     checked("fill_all", options, "fill_holes")
     welded = None
-    if faces is None and trimeshes.is_one(mesh):
+    if trimeshes.is_one(mesh):
         welded = trimeshes.Welded(mesh)
         vertices, own = welded.vertices, welded.faces
         rims = rims if rims is None else [welded.rim(loop) for loop in rims]
@@ -198,9 +210,7 @@ def fill_holes(
         for said in report.warnings:
             warnings.warn(FillWarning(said), stacklevel=2)
     made = (
-        trimeshes.filled(mesh, welded, report.fills, report.joined)
-        if welded
-        else _filled(mesh, vertices, own, report, faces is not None)
+        trimeshes.filled(mesh, welded, report.fills, report.joined) if welded else _filled(mesh, vertices, own, report, as_pair)
     )
     return (made, report) if return_report else made
 
