@@ -1,5 +1,6 @@
 """The code of the documentation runs; the Python reference has an example of every public name."""
 
+import doctest
 import importlib.util
 import re
 import shlex
@@ -49,6 +50,18 @@ def test_every_public_name_has_an_example_that_uses_it(name):
     (code,) = [code for heading, code in sections() if heading == name]
     assert re.search(rf"\btripatch\.{name}\b", code)
     assert f":: tripatch.{name}\n" in PAGE.read_text() or name in ("METHODS", "OPTIONS", "SURROUNDING_RINGS")
+
+
+@pytest.mark.parametrize("name", [name for name in tripatch.__all__ if ">>>" in (getattr(tripatch, name).__doc__ or "")])
+def test_the_example_of_a_docstring_runs(name):
+    (example,) = doctest.DocTestFinder(recurse=False).find(getattr(tripatch, name), name, globs={"tripatch": tripatch})
+    said = []
+    assert doctest.DocTestRunner().run(example, out=said.append).failed == 0, "".join(said)
+
+
+def test_functions_that_fill_have_an_example():
+    names = ("fill", "fill_all", "fill_holes", "merge", "find_holes", "choose_holes", "outer_borders", "find_corners")
+    assert [name for name in names if ">>>" not in getattr(tripatch, name).__doc__] == []
 
 
 @pytest.mark.filterwarnings("error")

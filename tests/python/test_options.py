@@ -72,8 +72,8 @@ def test_a_choice_takes_its_names_and_no_others(row):
 def test_options_that_only_papers_need_are_a_section_of_their_own():
     for function in (tripatch.fill, tripatch.fill_all, tripatch.fill_holes, tripatch.patch):
         usual, papers = inspect.getdoc(function).partition("\nReturns:")[0].split("Other Parameters:")
-        assert all(f"    {name}: " in papers for name in ("shape", "reading", "symmetric", "alpha"))
-        assert all(f"    {name}: " in usual for name in ("continuity", "bulge", "tension"))
+        assert all(f"    {name} (" in papers for name in ("shape", "reading", "symmetric", "alpha"))
+        assert all(f"    {name} (" in usual for name in ("continuity", "bulge", "tension"))
 
 
 def test_a_choice_takes_the_words_of_the_panel_too():
@@ -87,7 +87,8 @@ def test_a_choice_takes_the_words_of_the_panel_too():
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.name)
 def test_help_says_what_the_table_says(row):
     said = " ".join(inspect.getdoc(getattr(tripatch, row.functions[0])).split())
-    assert f"{row.name}: {row.description}" in said
+    described = row.description.replace("; none: ", "; None: ")
+    assert re.search(rf"(^|\W){row.name} \([^:]+\): {re.escape(described)}", said), "with its type"
     assert row.description and not row.description.endswith(".")
     assert all(each.description in said for each in row.choices)
 

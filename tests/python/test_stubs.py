@@ -52,7 +52,8 @@ def test_everything_public_is_described(name):
     public = getattr(tripatch, name)
     assert inspect.getdoc(public)
     members = [m for m in vars(public) if not m.startswith("_")] if inspect.isclass(public) else []
-    undescribed = [m for m in members if not inspect.getdoc(getattr(public, m))]
+    texts = {m: inspect.getdoc(getattr(public, m)) or "" for m in members}
+    undescribed = [m for m, text in texts.items() if not text or text.startswith("Alias for field")]
     assert undescribed == []
     if inspect.isfunction(public) and inspect.signature(public).parameters:
         assert "Args:" in inspect.getdoc(public)

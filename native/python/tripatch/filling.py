@@ -345,17 +345,27 @@ def fill(
     """Fills one hole.
 
     Args:
-        vertices: (n, 3) positions.
-        faces: (m, 3) or (m, 4) int array, or a list of index lists.
-        progress: called several times a second with 0 and 1, as by `fill_all`; what it raises ends the work, as Ctrl-C does.
+        vertices: (n, 3) float, positions; or a mesh with .vertices and .faces, such as what `read` returns; or a pair of both.
+        faces: (m, 3) or (m, 4) int, or a list of index lists; indices count from 0. None: `vertices` is a mesh or a pair.
+        progress: a function of two numbers, holes done and holes in all, here always 0 and 1. It is called several times a second
+            during the work. If it raises an exception, the work stops and the exception comes out, as with Ctrl-C.
         **options: see OPTIONS.
 
     Returns:
-        A `Fill`. The input is never changed.
+        A `Fill`: the new vertices and faces, and a report. `merge` adds it to the mesh. The input is never changed.
 
     Raises:
-        Refusal: the hole cannot be filled; says why and where.
-        TypeError, ValueError: wrong types, shapes, ranges or names.
+        Refusal: the hole cannot be filled, or the mesh has several holes and `rim` names none. It says why and where.
+        TypeError, ValueError: an argument has the wrong type, shape, range or name.
+
+    Example:
+        >>> vertices = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]]
+        >>> faces = [[1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]]  # an octahedron without a face
+        >>> fill = tripatch.fill(vertices, faces)
+        >>> fill.rim.tolist(), fill.faces.tolist()
+        ([0, 1, 2], [[0, 1, 2]])
+        >>> len(tripatch.merge(vertices, faces, fill)[1])
+        8
     """
     given = checked("fill", options)
     v, offsets, corners = _arrays.mesh(*_arrays.parts(vertices, faces, "fill"))
@@ -391,23 +401,33 @@ def fill_all(
     Fills of holes that share a vertex have one tangent plane there.
 
     Args:
-        vertices: (n, 3) positions.
-        faces: (m, 3) or (m, 4) int array, or a list of index lists.
-        rims: a list of rims; None: those that `choose_holes` finds by the last of the options.
-        corners: for each rim what `fill` takes: two of its vertices or more, an empty list for a round one, or None where they
-            are to be detected; None: all are detected; an empty list: all are round.
+        vertices: (n, 3) float, positions; or a mesh with .vertices and .faces, such as what `read` returns; or a pair of both.
+        faces: (m, 3) or (m, 4) int, or a list of index lists; indices count from 0. None: `vertices` is a mesh or a pair.
+        rims: a list of rims, each (k,) int; None: those that `choose_holes` finds with the options that it takes.
+        corners: a list with an entry for each rim, as `fill` takes it: (k,) int, two or more of its vertices; an empty list for a
+            round hole; or None to detect them. None: all are detected. An empty list: all holes are round.
         islands: "auto": borders of other parts of the mesh that lie inside a hole belong to it; "none": each is a hole. Of rims
             that are named none are.
-        join: where rims are None, the distance within which borders that lie on each other are joined: vertices move to one
-            place, and a vertex that lies within an edge goes into the face there (T-junctions). None: vertices within a
-            millionth of the mesh's size count as one, and stay. Borders that lie on others all the same are refused.
-        progress: called with the number of holes done and the number of all, several times a second; what it raises ends the
-            work, as Ctrl-C does.
+        join: if rims are None, the distance, in units of the mesh, within which borders that lie on each other are joined:
+            vertices move to one place, and a vertex that lies within an edge goes into the face there (T-junctions). None:
+            vertices within a millionth of the mesh's size count as one, and stay. Borders that still lie on others are refused.
+        progress: a function of two numbers, holes done and holes in all. It is called several times a second during the work. If
+            it raises an exception, the work stops and the exception comes out, as with Ctrl-C.
         **options: see OPTIONS.
 
     Returns:
-        A `Fill` or a `Refusal` for each rim, in their order. A refusal of one does not stop the others. Every fill counts its
-        new vertices from n on its own. Its `outer_borders` are the border loops left open as outer ones.
+        A list, `Fills`: a `Fill` or a `Refusal` for each rim, in their order. A refusal of one does not stop the others. Each
+        fill numbers its own new vertices from n. The list's `outer_borders` are the border loops left open as outer ones.
+
+    Raises:
+        TypeError, ValueError: an argument has the wrong type, shape, range or name.
+
+    Example:
+        >>> vertices = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]]
+        >>> faces = [[1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]]  # an octahedron without a face
+        >>> results = tripatch.fill_all(vertices, faces, max_edges=20)
+        >>> [isinstance(each, tripatch.Fill) for each in results]
+        [True]
     """
     given = checked("fill_all", options)
     v, offsets, face_corners = _arrays.mesh(*_arrays.parts(vertices, faces, "fill_all"))

@@ -20,6 +20,11 @@ def find_holes(faces: Faces) -> list[Array]:
 
     Returns:
         An int array for each loop, shortest first, each starting at its lowest index, in the direction that new faces take.
+
+    Example:
+        >>> faces = [[1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]]  # an octahedron without a face
+        >>> [loop.tolist() for loop in tripatch.find_holes(faces)]
+        [[0, 1, 2]]
     """
     offsets, corners = _arrays.faces(faces)
     if corners.size and corners.min() < 0:
@@ -36,12 +41,18 @@ def choose_holes(vertices: Any, faces: Faces | None = None, **options: Any) -> l
     """The border loops of a mesh that `fill_all` fills where none are named.
 
     Args:
-        vertices: (n, 3) positions.
-        faces: (m, 3) or (m, 4) int array, or a list of index lists.
+        vertices: (n, 3) float, positions; or a mesh with .vertices and .faces, such as what `read` returns; or a pair of both.
+        faces: (m, 3) or (m, 4) int, or a list of index lists; indices count from 0. None: `vertices` is a mesh or a pair.
         **options: see OPTIONS.
 
     Returns:
         An int array for each loop, as `find_holes` has it.
+
+    Example:
+        >>> vertices = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]]
+        >>> faces = [[1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]]  # an octahedron without a face
+        >>> [loop.tolist() for loop in tripatch.choose_holes(vertices, faces, max_edges=20)]
+        [[0, 1, 2]]
     """
     given = checked("choose_holes", options)
     return _native.ConnectedMesh(*_arrays.mesh(*_arrays.parts(vertices, faces, "choose_holes"))).chosen(given)
@@ -54,11 +65,17 @@ def outer_borders(vertices: Any, faces: Faces | None = None) -> list[Array]:
     If all borders of a mesh are such, only those of sheets are, which their fills would cover.
 
     Args:
-        vertices: (n, 3) positions.
-        faces: (m, 3) or (m, 4) int array, or a list of index lists.
+        vertices: (n, 3) float, positions; or a mesh with .vertices and .faces, such as what `read` returns; or a pair of both.
+        faces: (m, 3) or (m, 4) int, or a list of index lists; indices count from 0. None: `vertices` is a mesh or a pair.
 
     Returns:
         An int array for each loop, as `find_holes` has it.
+
+    Example:
+        >>> vertices = [[x, y, 0] for y in range(4) for x in range(4)]
+        >>> faces = [[v, v + 1, v + 5, v + 4] for v in (0, 1, 2, 4, 6, 8, 9, 10)]  # a sheet of 3 x 3 quads without the middle one
+        >>> [loop.tolist() for loop in tripatch.outer_borders(vertices, faces)]
+        [[0, 4, 8, 12, 13, 14, 15, 11, 7, 3, 2, 1]]
     """
     return _native.ConnectedMesh(*_arrays.mesh(*_arrays.parts(vertices, faces, "outer_borders"))).outer_borders()
 
@@ -79,6 +96,12 @@ def find_corners(vertices: ArrayLike, faces: Faces, rim: ArrayLike, *, replaced:
 
     Raises:
         Refusal: the rim has not three clear corners (where they are asked for), or is none.
+
+    Example:
+        >>> vertices = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]]
+        >>> faces = [[1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]]  # an octahedron without a face
+        >>> tripatch.find_corners(vertices, faces, [0, 1, 2]).tolist()
+        [0, 1, 2]
     """
     checked = _arrays.mesh(vertices, faces)
     gone = _arrays.indices(replaced, "replaced")

@@ -129,6 +129,14 @@ def merge(vertices: ArrayLike, faces: Faces, fills: Fill | Refusal | Sequence[Fi
 
     Raises:
         ValueError: two of the fills close the same hole.
+
+    Example:
+        >>> vertices = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]]
+        >>> faces = [[1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]]  # an octahedron without a face
+        >>> fill = tripatch.fill(vertices, faces)
+        >>> whole_vertices, whole_faces = tripatch.merge(vertices, faces, fill)
+        >>> len(tripatch.find_holes(whole_faces))
+        0
     """
     if not isinstance(fills, Fill | Refusal | Iterable):
         raise wrong_type("fills", "Fill | Sequence[Fill]", fills)
@@ -170,25 +178,33 @@ def fill_holes(
     """A mesh without its holes: every hole that `fill_all` finds is filled, and the whole mesh comes back.
 
     Args:
-        mesh_or_vertices: (n, 3) positions; or a whole mesh: a `trimesh.Trimesh`, what `read` returns, or any object that has
-            .vertices and .faces and can be made from them.
-        faces: of positions: (m, 3) or (m, 4) int array, or a list of index lists.
-        return_report: whether a `HolesReport` is returned too. Its fills of a Trimesh count vertices at one place, as where
-            texture coordinates part, as one.
+        mesh_or_vertices: (n, 3) float, positions; or a whole mesh: a `trimesh.Trimesh`, what `read` returns, a pair (vertices,
+            faces), or any object that has .vertices and .faces and can be made from them.
+        faces: (m, 3) or (m, 4) int, or a list of index lists; indices count from 0. None if a whole mesh is given.
+        return_report: whether a `HolesReport` is returned too. In the fills of a Trimesh, vertices at the same place count as
+            one; texture seams have such vertices.
         rims, corners, islands, join, progress: as of `fill_all`.
         **options: see OPTIONS.
 
     Returns:
-        What was given, filled: (vertices, faces) of positions and faces, else a mesh of the same kind. The mesh's own vertices
-        and faces come first, in their order. Colors, texture coordinates, normals and other data of vertices and faces
-        stay; new vertices blend what is around their hole, new faces have what the nearest face around it has. With
-        return_report a pair of that and the report. What was given stays as it is.
+        The filled mesh, of the kind that was given: a pair (vertices, faces), or a mesh. The mesh's own vertices and faces come
+        first, in their order, and keep colors, texture coordinates, normals and other data. The data of a new vertex is
+        interpolated from those around the hole; a new face gets the data of the nearest face around the hole. With
+        return_report a pair of the filled mesh and the report. What was given stays unchanged.
 
     Raises:
-        Refusal: no hole could be filled, and no report was asked for.
+        Refusal: no hole could be filled, and no report was requested.
+        TypeError, ValueError: an argument has the wrong type, shape, range or name.
 
     Warns:
-        FillWarning: holes that were refused, and warnings of fills, where no report was asked for.
+        FillWarning: holes that were refused, and warnings of fills, if no report was requested.
+
+    Example:
+        >>> vertices = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]]
+        >>> faces = [[1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]]  # an octahedron without a face
+        >>> new_vertices, new_faces = tripatch.fill_holes(vertices, faces)
+        >>> len(faces), len(new_faces)
+        (7, 8)
     """
     mesh = mesh_or_vertices
     vertices, own = _arrays.parts(mesh, faces, "fill_holes")

@@ -355,6 +355,30 @@ def groups(rows: Iterable[Option]) -> dict[str, list[Option]]:
     return {code: listed for code, listed in found.items() if listed}
 
 
+#: What Python takes for an option of a kind.
+_TYPES = {
+    "flag": "bool",
+    "whole": "int",
+    "number": "float",
+    "position": "(3,) float",
+    "choice": "str",
+    "indices": "(k,) int",
+    "loops": "list of (k,) int",
+    "points": "list",
+    "subdivision": "dict",
+}
+
+
+def _type(option: Option) -> str:
+    """Type and shape of the values that Python takes for an option."""
+    one = _TYPES[option.kind]
+    if option.count > 1 and option.kind != "position":
+        one = f"({option.count},) {one}"
+    if option.by_side:
+        one += ", or one per side"
+    return f"{one}, or None" if option.optional and not (option.none and option.none.name != "none") else one
+
+
 @overload
 def takes_options(named: Function) -> Function: ...
 @overload
@@ -379,7 +403,7 @@ def _described(name: str, function: Function) -> Function:
     vars(function)["__signature__"] = own.replace(parameters=[*kept, *parameters])
     described_rows: dict[bool, list[str]] = {True: [], False: []}  # by whether only papers need them
     for option in rows:
-        text = f"{option.name}: {described(option)}."
+        text = f"{option.name} ({_type(option)}): {described(option)}.".replace("; none: ", "; None: ")
         lines = textwrap.fill(text, 126, initial_indent=" " * 4, subsequent_indent=" " * 8)
         described_rows[group(option) == PAPERS].append(lines)
     text = inspect.cleandoc(function.__doc__ or "")  # Python 3.13 does so itself
