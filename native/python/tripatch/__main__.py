@@ -15,7 +15,7 @@ import tripatch
 from tripatch import arguments, borders, files, filling, messages, view, words
 from tripatch.batch import command as batch
 from tripatch.batch import creases
-from tripatch.batch.record import plain
+from tripatch.batch.record import SCHEMA, plain
 from tripatch.errors import because
 from tripatch.files import evidence
 from tripatch.options import checked
@@ -107,7 +107,7 @@ def _report(holes: list[Any], left: Sequence[Any], out: files.MeshFile) -> str:
                 added["creases"] = result.creases[0]
             entries.append({**added, **result.report.as_dict(), "passes_through": result.passes_through})
     borders = [{"code": "outer_border_left_open", "edges": len(loop), "rim": loop} for loop in left]
-    said = {"tripatch": tripatch.__version__, "holes": entries, "outer_borders": borders, **out.evidence()}
+    said = {"schema": SCHEMA, "tripatch": tripatch.__version__, "holes": entries, "outer_borders": borders, **out.evidence()}
     return json.dumps(plain(said), indent=2) + "\n"
 
 
