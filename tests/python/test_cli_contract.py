@@ -218,7 +218,8 @@ def test_json_is_all_that_is_printed(one, tmp_path, capsys):
     code, out, err = run(capsys, "fill", one, "-o", tmp_path / "out.obj", "--json", "--report", tmp_path / "r.json")
     said = json.loads(out)
     assert code == 0 and err == "tripatch: 1 outer border left open (18 edges); use --all --outer to fill it\n"
-    assert said == json.loads((tmp_path / "r.json").read_text()) and (said["schema"], said["tripatch"]) == (1, tripatch.__version__)
+    assert said == json.loads((tmp_path / "r.json").read_text())
+    assert (said["schema"], said["tripatch"]) == (1, tripatch.__version__)
     assert len(said["holes"]) == 1 and said["holes"][0]["new_faces"] > 0
     path = write_obj(tmp_path / "square.obj", square())
     code, out, err = run(capsys, "fill", path, "-o", tmp_path / "b.obj", "--json", "--method", "side_vertex")

@@ -2,6 +2,7 @@
 
 import inspect
 import math
+import re
 import runpy
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 import tripatch
 from shapes import octant
 from tripatch import __main__ as cli
-from tripatch import options
+from tripatch import arguments, options
 
 ROOT = Path(__file__).resolve().parents[2]
 ROWS = list(tripatch.OPTIONS.values())
@@ -167,3 +168,16 @@ def test_settings_of_a_modifier_are_read():
     for quality in (0, 11):
         with pytest.raises(ValueError, match="quality"):
             options.subdivision({"quality": quality})
+
+
+def test_the_page_of_options_lists_the_names_that_differ():
+    """Those of the table whose row in Blender has another name, and what the command line calls them."""
+    page = (ROOT / "docs" / "options.md").read_text()
+    found = re.findall(r"^\| (?:\w[\w ]*: )?([^|]+) \| `(\w+)` \| `(--[\w-]+)`", page, re.MULTILINE)
+    rows = {name: (row, flag) for row, name, flag in found}
+    differ = {name: row.label for name, row in tripatch.OPTIONS.items() if row.label}
+    assert {name: rows[name][0] for name in differ} == differ
+    assert rows.keys() - differ.keys() == {"output", "resolution"}, "its label is not in the table; --faces"
+    assert {name: flag for name, (_, flag) in rows.items()} == {name: arguments.flag(name) for name in rows}
+    others = [name for name in tripatch.OPTIONS if name not in rows]
+    assert [name for name in others if arguments.flag(name) != f"--{name.replace('_', '-')}"] == []
