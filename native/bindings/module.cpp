@@ -16,7 +16,8 @@ PYBIND11_MODULE(_native, m) {
       const py::object error = refusal_object(refusal.message(), refusal.also());
       PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
     } catch (const CodedArgument& mistake) {
-      PyErr_SetObject(PyExc_ValueError, message_object(mistake.message()).ptr());
+      const py::object type = py::module_::import("tripatch.errors").attr("WrongValue");
+      PyErr_SetObject(type.ptr(), message_object(mistake.message()).ptr());
     }
   });
   bind_messages(m);

@@ -320,3 +320,23 @@ def test_the_sentences_for_a_missing_library_are_those_of_the_table():
     values = {n.targets[0].id: n.value for n in tree.body if isinstance(n, ast.Assign) and isinstance(n.targets[0], ast.Name)}
     for code in ("needs_numpy", "library_missing"):
         assert ast.literal_eval(values[code.upper()]) == messages.TABLE[code].sentence
+
+
+def test_errors_for_wrong_input_have_codes_that_survive_pickling(tmp_path):
+    def caught(kind, call):
+        with pytest.raises(kind) as found:
+            call()
+        return found.value
+
+    errors = [
+        caught(ValueError, lambda: tripatch.fill(OCTAHEDRON, FACES, bulge=-1.0)),  # found by the core
+        caught(ValueError, lambda: tripatch.fill(OCTAHEDRON, FACES, method="none_such")),
+        caught(TypeError, lambda: tripatch.fill(OCTAHEDRON, FACES, no_option=1)),
+        caught(TypeError, lambda: tripatch.fill(OCTAHEDRON, 3)),
+        caught(tripatch.FileError, lambda: tripatch.read(tmp_path / "none.obj")),
+    ]
+    assert [error.code for error in errors] == ["out_of_range", "not_one_of", "no_such_option", "wrong_type", "file_unreadable"]
+    for error in errors:
+        again = pickle.loads(pickle.dumps(error))
+        assert (type(again), again.code, str(again)) == (type(error), error.code, str(error))
+        assert again.args[0].parameters == error.args[0].parameters

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _native
 from ._types import Array, ArrayLike, Faces
-from .errors import out_of_range, wrong_shape, wrong_type
+from .errors import WrongType, WrongValue, out_of_range, wrong_shape, wrong_type
 from .messages import Message
 
 
@@ -21,7 +21,7 @@ def numbers(value: Any, name: str, shape: str) -> Array:
     except ValueError:
         raise wrong_shape(name, shape, value, ragged=True) from None
     if a.dtype.kind not in "fiu" and a.size:
-        raise TypeError(Message("not_numbers", {"name": name, "given": str(a.dtype)}))
+        raise WrongType(Message("not_numbers", {"name": name, "given": str(a.dtype)}))
     return a
 
 
@@ -35,7 +35,7 @@ def points(value: Any, name: str = "vertices", finite: bool = False) -> Array:
     a = np.ascontiguousarray(a, dtype=np.float64)
     if finite and not np.isfinite(a).all():
         row = int(np.nonzero(~np.isfinite(a).all(axis=1))[0][0])
-        raise ValueError(Message("not_finite", {"name": f"{name}[{row}]"}))
+        raise WrongValue(Message("not_finite", {"name": f"{name}[{row}]"}))
     return a
 
 
@@ -103,7 +103,7 @@ def faces(value: Any) -> tuple[Array, Array]:
         if value.size == 0:
             return np.zeros(1, np.int64), np.zeros(0, np.int64)
         if value.dtype.kind not in "iu":
-            raise TypeError(Message("not_indices", {"name": "faces", "given": str(value.dtype)}))
+            raise WrongType(Message("not_indices", {"name": "faces", "given": str(value.dtype)}))
         if value.ndim != 2 or value.shape[1] < 3:
             raise wrong_shape("faces", "(m, 3) or (m, 4)", value.shape)
         corners = np.ascontiguousarray(value, dtype=np.int64).reshape(-1)
@@ -121,9 +121,9 @@ def faces(value: Any) -> tuple[Array, Array]:
         raise wrong from None
     if (sizes < 3).any():
         row = int(np.argmax(sizes < 3))
-        raise ValueError(Message("face_too_small", {"face": row, "corners": int(sizes[row])}))
+        raise WrongValue(Message("face_too_small", {"face": row, "corners": int(sizes[row])}))
     if corners.dtype.kind not in "iu":
-        raise TypeError(Message("not_indices", {"name": "faces", "given": str(corners.dtype)}))
+        raise WrongType(Message("not_indices", {"name": "faces", "given": str(corners.dtype)}))
     return np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64), corners.astype(np.int64)
 
 
@@ -219,13 +219,13 @@ def parts(mesh: Any, face_list: Any, function: str) -> tuple[Any, Any]:
         return mesh
     if face_list is None or whole:
         kind = type(mesh).__name__ + (" and faces" if whole else "")
-        raise TypeError(Message("mesh_needed", {"function": f"{function}()", "type": kind}))
+        raise WrongType(Message("mesh_needed", {"function": f"{function}()", "type": kind}))
     return mesh, face_list
 
 
 def no_such_vertex(name: str, vertex: int, count: int) -> ValueError:
     """The error for an index beyond the vertices."""
-    return ValueError(Message("no_such_vertex", {"option": name, "vertex": vertex, "count": count}))
+    return WrongValue(Message("no_such_vertex", {"option": name, "vertex": vertex, "count": count}))
 
 
 def indices(value: Any, name: str) -> list[int]:
@@ -234,7 +234,7 @@ def indices(value: Any, name: str) -> list[int]:
     if a.ndim != 1:
         raise wrong_shape(name, "(k,)", a.shape)
     if a.size and a.dtype.kind not in "iu":
-        raise TypeError(Message("not_indices", {"name": name, "given": str(a.dtype)}))
+        raise WrongType(Message("not_indices", {"name": name, "given": str(a.dtype)}))
     if a.dtype.kind == "u" and a.size and a.max() > np.iinfo(np.int64).max:
         raise out_of_range(name, int(a.max()), 0, np.iinfo(np.int64).max)
     found: list[int] = a.tolist()
@@ -252,7 +252,7 @@ def barycentric(value: Any) -> Array:
     row = _native._first_outside(b, _OUTSIDE)
     if row is not None:
         points(b, "b", finite=True)
-        raise ValueError(Message("not_in_triangle", {"name": f"b[{row}]"}))
+        raise WrongValue(Message("not_in_triangle", {"name": f"b[{row}]"}))
     return b
 
 

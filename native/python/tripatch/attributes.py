@@ -12,7 +12,7 @@ import numpy as np
 from . import _arrays, _native
 from ._native import AttributeWeights
 from ._types import Array, ArrayLike, Faces
-from .errors import wrong_shape
+from .errors import WrongValue, wrong_shape
 from .messages import Message
 
 
@@ -23,7 +23,7 @@ def _parameters(value: Any, name: str) -> Array:
         raise wrong_shape(name, shapes, a.shape)
     a = np.ascontiguousarray(a, dtype=np.float64)
     if not np.isfinite(a).all():
-        raise ValueError(Message("not_finite", {"name": name}))
+        raise WrongValue(Message("not_finite", {"name": name}))
     return a
 
 

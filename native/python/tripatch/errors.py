@@ -75,17 +75,31 @@ def _again(kind: type[Refusal], messages: tuple[Message, ...], where: list[int])
     return refusal
 
 
-class FillWarning(UserWarning):
+class Coded:
+    """What errors and warnings have whose argument is a `Message`."""
+
+    args: tuple[Any, ...]
+
+    @property
+    def code(self) -> str:
+        """A short name for what it says; empty if it has none."""
+        return str(getattr(self.args[0], "code", "")) if self.args else ""
+
+
+class FillWarning(Coded, UserWarning):
     """What a person should know of a result that comes without a report.
 
     Attributes:
         code: a short name for the warning, as of those in reports; empty if it has none.
     """
 
-    @property
-    def code(self) -> str:
-        """A short name for the warning."""
-        return str(getattr(self.args[0], "code", "")) if self.args else ""
+
+class WrongValue(Coded, ValueError):
+    """An argument of the right type that cannot be used; the argument of the error is a `Message`."""
+
+
+class WrongType(Coded, TypeError):
+    """An argument of another type than is needed; the argument of the error is a `Message`."""
 
 
 def because(error: Exception) -> str:
@@ -102,28 +116,28 @@ def meant(word: object, known: Iterable[object]) -> dict[str, str]:
 
 def wrong_type(name: str, types: str, value: object) -> TypeError:
     """The error for an argument of another type than these, which are written as annotations."""
-    return TypeError(Message("wrong_type", {"name": name, "types": types, "value": f"{value!r:.60}"}))
+    return WrongType(Message("wrong_type", {"name": name, "types": types, "value": f"{value!r:.60}"}))
 
 
 def out_of_range(name: str, value: float, least: float, most: float = math.inf, *, is_open: bool = False) -> ValueError:
     """The error for a number that is not finite, or not within a range. is_open: its ends are not allowed."""
     if not isinstance(value, numbers.Integral) and not math.isfinite(value):
-        return ValueError(Message("not_finite", {"name": name}))
+        return WrongValue(Message("not_finite", {"name": name}))
     ends = {"above" if is_open else "least": least}
     if math.isfinite(most):
         ends = {"after": least, "before": most} if is_open else {"from": least, "to": most}
     said = {end: f"{number:.12g}" for end, number in ends.items()}
     shown = str(value) if isinstance(value, numbers.Integral) else f"{value:.12g}"
-    return ValueError(Message("out_of_range", {"name": name, **said, "value": shown}))
+    return WrongValue(Message("out_of_range", {"name": name, **said, "value": shown}))
 
 
 def wrong_shape(name: str, shape: str, given: object, *, ragged: bool = False) -> ValueError:
     """The error for an array of another shape. ragged: its rows differ in length."""
     said = {"ragged": 1} if ragged else {"given": str(given)}
-    return ValueError(Message("wrong_shape", {"name": name, "shape": shape, **said}))
+    return WrongValue(Message("wrong_shape", {"name": name, "shape": shape, **said}))
 
 
 def not_one_of(name: str, value: object, allowed: Iterable[object]) -> ValueError:
     """The error for a name that is not known, with the one that may have been meant."""
     values = [str(each) for each in allowed]
-    return ValueError(Message("not_one_of", {"name": name, "values": values, "value": f"{value!r:.60}", **meant(value, values)}))
+    return WrongValue(Message("not_one_of", {"name": name, "values": values, "value": f"{value!r:.60}", **meant(value, values)}))

@@ -15,7 +15,7 @@ from . import _arrays, _native, passages, words
 from ._native import Patch, Report, Side
 from ._types import Array, Faces
 from .borders import Holes, Joined
-from .errors import Refusal, not_one_of
+from .errors import Refusal, WrongValue, not_one_of
 from .holes import SURROUNDING_RINGS
 from .messages import Message
 from .options import OPTIONS, checked, not_at_default, takes_options, value, whole
@@ -140,7 +140,7 @@ class Fill:
             vertices (k, 3) and faces (m, 4), of a cage of triangles (m, 3).
         """
         if self._source.options.get("output") != "cage":
-            raise ValueError(Message("no_limit_surface"))
+            raise WrongValue(Message("no_limit_surface"))
         return self._source.limit(self, whole(level, "level", 1, 8))
 
     def __repr__(self) -> str:
@@ -254,7 +254,7 @@ class Source:
         """The patch of the fill that has these vertices."""
         made = self.fill()
         if isinstance(made, Refusal) or not np.array_equal(made.vertices, vertices):
-            raise ValueError(Message("mesh_changed_since"))
+            raise WrongValue(Message("mesh_changed_since"))
         patch: Patch = made.patch
         vars(patch)["_recipe"] = functools.partial(self.recipe, made.rim, vertices)
         return patch
@@ -433,7 +433,7 @@ def fill_all(
     v, offsets, face_corners = _arrays.mesh(*_arrays.parts(vertices, faces, "fill_all"))
     choosing = [name for name in options if "choose_holes" in OPTIONS[name].functions]
     if rims is not None and choosing:
-        raise ValueError(Message("options_exclusive", {"first": "rims", "second": choosing[0]}))
+        raise WrongValue(Message("options_exclusive", {"first": "rims", "second": choosing[0]}))
     if islands not in ("auto", "none"):
         raise not_one_of("islands", islands, ("auto", "none"))
     holes = rims if isinstance(rims, Holes) else None
@@ -445,7 +445,7 @@ def fill_all(
     given_corners = () if corners is None else corners if len(corners) else [()] * len(loops)
     by_rim = [value(OPTIONS["corners"], each) for each in given_corners]
     if corners is not None and len(by_rim) != len(loops):
-        raise ValueError(Message("wrong_count", {"name": "corners", "count": len(loops), "given": len(by_rim)}))
+        raise WrongValue(Message("wrong_count", {"name": "corners", "count": len(loops), "given": len(by_rim)}))
     mesh = v, offsets, face_corners
     if holes and (holes.refused or any(holes.islands)):
         results = _with_islands(mesh, holes, options, by_rim, progress)

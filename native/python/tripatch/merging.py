@@ -12,7 +12,7 @@ import numpy as np
 from . import _arrays, trimeshes
 from ._types import Array, ArrayLike, Faces
 from .borders import Joined
-from .errors import FillWarning, Refusal, wrong_type
+from .errors import FillWarning, Refusal, WrongType, WrongValue, wrong_type
 from .files.mesh_file import MeshFile
 from .filling import Fill, Fills, fill_all
 from .messages import Message
@@ -148,7 +148,7 @@ def merge(vertices: ArrayLike, faces: Faces, fills: Fill | Refusal | Sequence[Fi
         if isinstance(each, Fill):
             rim = frozenset(each.rim.tolist())
             if rim in rims:
-                raise ValueError(Message("hole_filled_twice", {}, [min(rim)]))
+                raise WrongValue(Message("hole_filled_twice", {}, [min(rim)]))
             rims.add(rim)
     whole = _Merged(vertices, faces, results, fills.joined if isinstance(fills, Fills) else None)
     return whole.vertices, _like(faces, whole.offsets, whole.corners)
@@ -250,4 +250,4 @@ def _rebuilt(mesh: Any, vertices: Array, rows: Any) -> Any:
         return type(mesh)(vertices=vertices, faces=rows)
     except TypeError as error:
         name = type(mesh).__name__
-        raise TypeError(Message("mesh_not_made", {"type": name, "reason": str(error)})) from error
+        raise WrongType(Message("mesh_not_made", {"type": name, "reason": str(error)})) from error

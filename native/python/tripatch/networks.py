@@ -11,7 +11,7 @@ from . import _arrays, _native
 from ._native import Side
 from ._types import Array, ArrayLike, Faces
 from .attributes import vertex_normals
-from .errors import out_of_range, wrong_shape, wrong_type
+from .errors import WrongValue, out_of_range, wrong_shape, wrong_type
 from .messages import Message
 from .surfaces import _CURVES, _named, _numbers, _whole
 
@@ -58,7 +58,7 @@ def _along(given: Mapping[Edge, Any], edge: Edge, name: str) -> Field:
     if edge in given:
         return _field(given[edge], f"{name}[{edge}]")
     if edge[::-1] not in given:
-        raise ValueError(Message("no_curve_along", {"name": name, "first": edge[0], "second": edge[1]}))
+        raise WrongValue(Message("no_curve_along", {"name": name, "first": edge[0], "second": edge[1]}))
     field = _field(given[edge[::-1]], f"{name}[{edge[::-1]}]")
     return lambda t: field(1 - np.asarray(t, float))
 

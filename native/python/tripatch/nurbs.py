@@ -14,7 +14,7 @@ from . import _native
 from ._native import BezierTriangle, NurbsSurface, Patch
 from ._types import Array
 from .attributes import angles
-from .errors import out_of_range, wrong_type
+from .errors import WrongValue, out_of_range, wrong_type
 from .messages import Message
 from .surfaces import real
 
@@ -129,7 +129,7 @@ def _drawn_together(patch: Patch) -> list[Map]:
 def _pieces(patch: Patch) -> tuple[list[Map], list[tuple[int, Array]]]:
     """Squares that make up a patch's domain, and which of their edges (a piece and its places) lie on its sides."""
     if isinstance(patch, _native.PlanePatch | _native.RingPatch | _native.LoopsPatch):
-        raise ValueError(Message("no_nurbs"))
+        raise WrongValue(Message("no_nurbs"))
     t = np.linspace(2 * _BESIDE_CORNER, 1, 50)
     along_s, along_t = np.column_stack([t, 0 * t]), np.column_stack([0 * t, t])
     if isinstance(patch, _native.RoundPatch):
@@ -339,7 +339,7 @@ def write_step(
     """
     given = [patches] if isinstance(patches, Patch) else list(patches)
     if not given:
-        raise ValueError(Message("nothing_given", {"name": "patches"}))
+        raise WrongValue(Message("nothing_given", {"name": "patches"}))
     made = [nurbs(patch, tolerance) for patch in given]
     kernel = _kernel()
     extent = max(float(np.ptp(np.concatenate([p.reshape(-1, 3) for p in each.points]), axis=0).max()) for each in made)
@@ -354,7 +354,7 @@ def write_step(
     writer = kernel.STEPControl.STEPControl_Writer()
     done = kernel.IFSelect.IFSelect_ReturnStatus.IFSelect_RetDone
     if writer.Transfer(sewing.SewedShape(), kernel.STEPControl.STEPControl_StepModelType.STEPControl_AsIs) != done:
-        raise ValueError(Message("cad_kernel_failed"))
+        raise WrongValue(Message("cad_kernel_failed"))
     if writer.Write(os.fspath(path)) != done:
         raise OSError(Message("package_cannot_write", {"package": "cadquery-ocp", "suffix": ".step"}))
     return made

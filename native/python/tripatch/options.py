@@ -15,7 +15,7 @@ import numpy as np
 
 from . import _arrays, _native, messages
 from ._native import Option
-from .errors import meant, not_one_of, out_of_range, wrong_shape, wrong_type
+from .errors import WrongType, WrongValue, meant, not_one_of, out_of_range, wrong_shape, wrong_type
 from .messages import Message
 
 #: name -> construction, with .description, .citation, .fills_holes, .continuity, .sides (the smallest and the largest number;
@@ -60,7 +60,7 @@ def _flag(value: Any, option: Option) -> bool:
 
 
 def _wrong_count(option: Option, given: int) -> ValueError:
-    return ValueError(Message("wrong_count", {"name": option.name, "count": option.count, "given": given}))
+    return WrongValue(Message("wrong_count", {"name": option.name, "count": option.count, "given": given}))
 
 
 def _whole(value: Any, option: Option) -> Any:
@@ -78,7 +78,7 @@ def _float(value: Any, name: str) -> float:
     try:
         return float(value)
     except OverflowError:
-        raise ValueError(Message("not_finite", {"name": name})) from None
+        raise WrongValue(Message("not_finite", {"name": name})) from None
 
 
 def _number(value: Any, option: Option) -> Any:
@@ -92,7 +92,7 @@ def _number(value: Any, option: Option) -> Any:
         if numbers_given.shape != (option.count,):
             raise wrong_shape(option.name, f"({option.count},)", numbers_given.shape)
         if not np.isfinite(numbers_given).all():
-            raise ValueError(Message("not_finite", {"name": option.name}))
+            raise WrongValue(Message("not_finite", {"name": option.name}))
         return numbers_given.tolist()
     if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise wrong_type(option.name, "float | None" if option.optional else "float", value)
@@ -158,15 +158,15 @@ def _points(value: Any, option: Option) -> list[tuple[list[float], list[float] |
         return Message("not_points", {"name": option.name, "value": f"{given!r:.60}"})
 
     if isinstance(value, str) or not isinstance(value, Iterable):
-        raise TypeError(wrong(value))
+        raise WrongType(wrong(value))
     found: list[tuple[list[float], list[float] | None]] = []
     for one in value:
         try:
             given = np.asarray(one, dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
-            raise TypeError(wrong(one)) from None
+            raise WrongType(wrong(one)) from None
         if given.ndim not in (1, 2) or given.shape[-1] != 3 or len(given) < 2 or not np.isfinite(given).all():
-            raise ValueError(wrong(one))
+            raise WrongValue(wrong(one))
         if given.ndim == 1:
             found.append((given.tolist(), None))
         elif len(given) == 2:
@@ -215,7 +215,7 @@ def subdivision(settings: Mapping[str, Any] | None, level: int = 2) -> _native.S
     s.crease_vertices, s.vertex_creases = _creases(given.pop("vertex_creases", None), "vertex_creases", 1)
     s.loose_vertices = _arrays.indices(given.pop("loose_vertices", ()), "loose_vertices")
     if given:
-        raise ValueError(Message("no_such_option", {"function": "subdivision", "name": ", ".join(given)}))
+        raise WrongValue(Message("no_such_option", {"function": "subdivision", "name": ", ".join(given)}))
     return s
 
 
@@ -285,7 +285,7 @@ def checked(function: str, given: dict[str, Any], called: str = "") -> dict[str,
     unknown = given.keys() - defaults.keys()
     if unknown:
         said = {"function": f"{called or function}()", "name": min(unknown), **meant(min(unknown), defaults)}
-        raise TypeError(Message("no_such_option", said))
+        raise WrongType(Message("no_such_option", said))
     values, made = defaults | given, dict(ready)
     if "method" in values:
         choice(values["method"], "method", names(OPTIONS["method"]))

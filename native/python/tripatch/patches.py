@@ -12,7 +12,7 @@ import numpy as np
 from . import _arrays, _native, words
 from ._native import BezierTriangle, Patch, Report, Side, SzilvasiNagyPatch
 from ._types import Array, ArrayLike
-from .errors import FillWarning, Refusal, out_of_range, wrong_shape, wrong_type
+from .errors import FillWarning, Refusal, WrongType, WrongValue, out_of_range, wrong_shape, wrong_type
 from .messages import Message
 from .options import OPTIONS, checked, choice, names, takes_options, whole
 from .pickling import remade
@@ -99,7 +99,7 @@ def patch(
     sides = tuple(side if isinstance(side, Side) or not isinstance(side, Sequence) else tuple(side) for side in sides)
     pieces = [piece for side in sides for piece in (side if isinstance(side, tuple) else (side,))]
     if not 1 <= len(sides) <= 12 or any(side == () for side in sides) or not all(isinstance(piece, Side) for piece in pieces):
-        raise TypeError(Message("not_sides", {"name": "sides"}))
+        raise WrongType(Message("not_sides", {"name": "sides"}))
     if tolerance is not None:
         if not 0 <= real(tolerance, "tolerance") < np.inf:
             raise out_of_range("tolerance", tolerance, 0)
@@ -149,7 +149,7 @@ def _between_many(sides: Sequence[Side], options: dict[str, Any], progress: Call
     many = ("auto", *own)
     if options["method"] not in many:
         said = {"method": str(options["method"]), "count": len(sides), "methods": list(many)}
-        raise ValueError(Message("method_of_three_sides", said))
+        raise WrongValue(Message("method_of_three_sides", said))
     given = checked("patch", options)
     if _is_ring(sides):
         return _made("_ring_patch", sides, given, progress)
@@ -188,7 +188,7 @@ def _constituent(given: Any, name: str) -> Patch:
         return triangle_on(*given)
     if callable(given):
         return surface_of(given, name)
-    raise TypeError(Message("not_a_surface", {"name": name}))
+    raise WrongType(Message("not_a_surface", {"name": name}))
 
 
 def blend(
@@ -262,7 +262,7 @@ def _patch_energy(self: Patch, name: str) -> float:
     if name != "nine_points":
         return self._energy(choice(name, "energy", names(OPTIONS["fairing"])))
     if _sides_of(self) != 3:
-        raise ValueError(Message("value_needs_three_sides", {"option": "energy", "value": "nine_points"}))
+        raise WrongValue(Message("value_needs_three_sides", {"option": "energy", "value": "nine_points"}))
     second = self.evaluate(_NINE[:, :2], derivatives=2)[2]
     return float(np.einsum("k,d,kdx->", _NINE[:, 2] / 9, [1.0, 2.0, 1.0], second**2))
 
@@ -273,13 +273,13 @@ def _places_on_side(edges: Any, i: int) -> list[float]:
         return [float(t) for t in np.linspace(0, 1, whole(edges, "edges", 1, 10000) + 1)]
     t = np.asarray(edges, dtype=np.float64)
     if t.ndim != 1 or len(t) < 2 or t[0] != 0 or t[-1] != 1 or not (np.diff(t) > 0).all():
-        raise ValueError(Message("not_increasing", {"name": f"edges[{i}]"}))
+        raise WrongValue(Message("not_increasing", {"name": f"edges[{i}]"}))
     return [float(place) for place in t]
 
 
 def _sides_of(patch: Patch) -> int:
     if isinstance(patch, _native.PlanePatch):
-        raise ValueError(Message("no_sides"))
+        raise WrongValue(Message("no_sides"))
     if isinstance(patch, _native.RingPatch):
         return 2
     if isinstance(patch, _native.RoundPatch):
@@ -301,7 +301,7 @@ def _triangles(self: Patch, edges: Any, resolution: int | None = None) -> tuple[
     count = _sides_of(self)
     given = (edges,) * count if isinstance(edges, numbers.Number) else tuple(edges)
     if len(given) != count:
-        raise ValueError(Message("values_by_side", {"name": "edges", "given": len(given), "sides": count}))
+        raise WrongValue(Message("values_by_side", {"name": "edges", "given": len(given), "sides": count}))
     sides = [_places_on_side(side, i) for i, side in enumerate(given)]
     inside = None if resolution is None else whole(resolution, "resolution", 1, 10000)
     if isinstance(self, _native.PolygonPatch):
@@ -392,7 +392,7 @@ def _from_functions(
             raise wrong_type(name, "Callable", function)
     t = np.zeros(0) if rim is None else np.asarray(rim, dtype=np.float64)
     if rim is not None and not (t.ndim == 1 and len(t) > 1 and t[0] == 0 and t[-1] == 1 and (np.diff(t) > 0).all()):
-        raise ValueError(Message("not_increasing", {"name": "rim"}))
+        raise WrongValue(Message("not_increasing", {"name": "rim"}))
     return Side._from_functions(c, dc, r, t.tolist(), q)
 
 

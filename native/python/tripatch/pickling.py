@@ -6,6 +6,7 @@ from typing import Any
 
 from . import _native
 from ._native import BezierRectangle, BezierTriangle, Patch, RectangleSurface, Report, Side
+from .errors import WrongType
 from .messages import Message
 
 
@@ -25,7 +26,7 @@ def _reduce(self: Any) -> tuple[Any, ...]:
         return type(self), (self.net,)
     recipe = vars(self).get("_recipe")
     if recipe is None:
-        raise TypeError(Message("not_picklable", {"type": type(self).__name__}))
+        raise WrongType(Message("not_picklable", {"type": type(self).__name__}))
     made: tuple[Any, ...] = recipe() if callable(recipe) else recipe
     return made
 

@@ -14,7 +14,7 @@ import numpy as np
 from . import _arrays, _native
 from ._native import BezierRectangle, BezierTriangle, NurbsSurface, Patch, Side
 from ._types import Array, ArrayLike, Faces
-from .errors import FillWarning, not_one_of, out_of_range, wrong_shape, wrong_type
+from .errors import FillWarning, WrongValue, not_one_of, out_of_range, wrong_shape, wrong_type
 from .messages import Message
 from .pickling import remade
 
@@ -124,7 +124,7 @@ def _derivative(self: BezierTriangle, direction: ArrayLike) -> BezierTriangle:
     """The derivative in a direction (d0, d1, d2) of the domain, summing to 0: a Bezier triangle of one degree less."""
     d = _numbers(direction, "direction", 1)
     if d.shape != (3,) or abs(d.sum()) > _SUM * np.abs(d).max(initial=0):
-        raise ValueError(Message("sum_not_zero", {"name": "direction"}))
+        raise WrongValue(Message("sum_not_zero", {"name": "direction"}))
     return self._derivative(d.tolist())
 
 
@@ -152,7 +152,7 @@ def _evaluate(self: _native.RectangleSurface, uv: ArrayLike, derivatives: int = 
     outside = ~((at >= (u0, v0)) & (at <= (u1, v1))).all(axis=1)
     if outside.any():
         ends = {name: f"{end:g}" for name, end in (("u0", u0), ("u1", u1), ("v0", v0), ("v1", v1))}
-        raise ValueError(Message("outside_domain", {"name": f"uv[{int(np.argmax(outside))}]", **ends}))
+        raise WrongValue(Message("outside_domain", {"name": f"uv[{int(np.argmax(outside))}]", **ends}))
     return self._evaluate(at, int(derivatives))
 
 
@@ -233,7 +233,7 @@ def surface_of(function: Callable[[Array], Any], name: str = "function") -> Bezi
         if values.shape != b.shape:
             raise wrong_shape(f"{name}(b)", str(b.shape), values.shape)
         if not np.isfinite(values).all():
-            raise ValueError(Message("not_finite", {"name": f"{name}(b)"}))
+            raise WrongValue(Message("not_finite", {"name": f"{name}(b)"}))
         net = np.linalg.lstsq(_bernstein(degree, b), values, rcond=None)[0]
         between, expected = sampled(degree + 1)
         extent = np.ptp(values, axis=0).max()
@@ -241,7 +241,7 @@ def surface_of(function: Callable[[Array], Any], name: str = "function") -> Bezi
         if off <= _NEAR * extent:
             break
     if not off <= _FAR * extent:
-        raise ValueError(Message("not_smooth", {"name": name, "degree": degree, "off": float(off)}))
+        raise WrongValue(Message("not_smooth", {"name": name, "degree": degree, "off": float(off)}))
     return BezierTriangle(net)
 
 
@@ -296,7 +296,7 @@ def coons_bezier(boundary: Sequence[Any], kind: str = "discrete", alpha: float |
     """
     given = tuple(boundary)
     if len(given) != 3:
-        raise ValueError(Message("wrong_count", {"name": "boundary", "count": 3, "given": len(given)}))
+        raise WrongValue(Message("wrong_count", {"name": "boundary", "count": 3, "given": len(given)}))
     curves = [_numbers(c, f"boundary[{i}]", 2, 3) for i, c in enumerate(given)]
     value = None if alpha is None else real(alpha, "alpha")
     triangle, notes = _native._coons_bezier(curves, _named(kind, "kind", _KINDS), value)

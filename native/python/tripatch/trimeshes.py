@@ -13,6 +13,7 @@ from . import _arrays, quality
 from ._types import Array
 from .borders import Joined
 from .charts import SAME
+from .errors import WrongValue
 from .files.continued import Continued
 from .files.mesh_file import MeshFile
 from .filling import Fill
@@ -186,7 +187,7 @@ class _Filled:
 def filled(mesh: Any, welded: Welded, fills: Sequence[Fill], joined: Joined | None = None) -> Any:
     """A trimesh.Trimesh with its colors or texture, normals and attributes. joined: what joining borders changes in it."""
     if any(len(fill.split_edges[0]) for fill in fills):
-        raise ValueError(Message("mesh_of_triangles"))
+        raise WrongValue(Message("mesh_of_triangles"))
     if not fills and not joined:
         return mesh.copy()
     whole = _Filled(mesh, welded, fills, joined)

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from .. import _arrays
+from ..errors import WrongType
 from ..messages import Message
 from .gltf import GltfFile
 from .mesh_file import MeshFile
@@ -123,7 +124,7 @@ def write(path: str | os.PathLike[str], mesh: Any) -> None:
     if not isinstance(mesh, MeshFile):
         pair = (mesh.vertices, mesh.faces) if hasattr(mesh, "vertices") and hasattr(mesh, "faces") else mesh
         if not isinstance(pair, tuple) or len(pair) != 2:
-            raise TypeError(Message("mesh_needed", {"function": "write()", "type": type(mesh).__name__}))
+            raise WrongType(Message("mesh_needed", {"function": "write()", "type": type(mesh).__name__}))
         vertices, offsets, corners = _arrays.mesh(*pair)
         mesh = MeshFile(vertices.copy(), (offsets, corners))
     (mesh if mesh.suffix.lower() == path.suffix.lower() else converted(mesh, path.suffix)).write(path)

@@ -16,15 +16,19 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
-from ..errors import because
+from ..errors import Coded, because
 from ..messages import Message
 
 Value = TypeVar("Value")
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"  # some editors put it before UTF-8
 
 
-class FileError(ValueError):
-    """A file that cannot be read or written; the argument is a `Message`."""
+class FileError(Coded, ValueError):
+    """A file that cannot be read or written; the argument is a `Message`.
+
+    Attributes:
+        code: a short name for what is wrong, such as "file_unreadable".
+    """
 
 
 def unreadable(path: object, error: Exception) -> FileError:
