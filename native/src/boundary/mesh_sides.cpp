@@ -12,6 +12,7 @@
 #include "tripatch/estimate/corner_planes.h"
 #include "tripatch/estimate/side_cylinder.h"
 #include "tripatch/math/parallel.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/messages.h"
 
@@ -21,7 +22,7 @@ namespace {
 constexpr int samples_a_side = 6;  ///< about as many stencils a side tell the variance components
 
 /// How edges farther along a side count where its ends are compared, and the neighbors' edges next to them.
-constexpr double next_edge_counts = 0.37;
+constexpr double next_edge_counts = share::three_tenths;
 
 /// Whether a side is looked at from its end on: the end with the longer edges next to it, of the side and of its neighbors.
 bool begins_at_end(const LocalMesh& w, int from, int edges) {

@@ -25,7 +25,7 @@ constexpr double smooth_turn = angle::slight, corner_turn = angle::crease;
 constexpr double turns_back = angle::reversed;
 /// Of what the two tangents at a corner span over what the chords do, 1 for straight sides, 0 on a round rim: up to the first all of the
 /// floor is taken, from the second on none. A choice between the two.
-constexpr double round_opening = share::tenth, straight_opening = 0.4;
+constexpr double round_opening = share::tenth, straight_opening = share::half;
 
 /// How much of the floor a triangle's corner takes. An obtuse triangle may turn little and still be an affine image of a plain
 /// one, which keeps its alpha (Theorem 2). `opening` tells the two apart: the area that the two tangents span, over that of the

@@ -11,7 +11,7 @@ namespace tripatch {
 namespace {
 
 /// Sine of the angle between two tangents up to which they span no plane, 2 degrees: at 100 edges a round rim turns by 3.6.
-constexpr double one_direction = 0.035;
+constexpr double one_direction = share::little;
 /// Places between the corners at which the planes of a side that is not continued are set.
 constexpr int turned_places = count::places;
 

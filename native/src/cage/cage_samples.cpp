@@ -16,7 +16,7 @@ namespace {
 
 constexpr int samples = count::several;  ///< a row of each face: what face_shape takes its polynomials from
 /// Times as long across the rim as the fill's own faces: from there on a face of the surroundings is a strip, by twice that for certain.
-constexpr double uneven = 2.5;
+constexpr double uneven = factor::strong;
 
 Points unit_normals(const Points& pu, const Points& pv) {
   Points normals(pu.rows(), 3);

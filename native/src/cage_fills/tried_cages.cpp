@@ -11,6 +11,7 @@
 #include "tripatch/fill/triangle_fill.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/shaped.h"
 #include "tripatch/patch_from_sides.h"
@@ -19,7 +20,7 @@ namespace tripatch {
 namespace {
 
 /// Edges of a rim at a vertex, the shorter of both, that a face there is as long as, from which on it is a strip: twice the diagonal of two squares.
-constexpr double strip = 4;
+constexpr double strip = factor::large;
 /// Of the hole's diameter: a fair cage that is farther off from where the mesh around would continue has run off, as between strips of bevels
 /// or on a wave, and so much farther wherever it is. Of 566 holes in Blender's primitives, remeshes and bevels 28 are placed for it that are not
 /// at 0.13, and 21 of their limit surfaces are nearer to the one that was there, by a factor of three in the mean. Of coarse balls, eggs
@@ -28,7 +29,7 @@ constexpr double run_off = 0.04;
 /// The same between four guessed corners: quads there are as large as four corners make them, and one of them that is larger than those around has
 /// its limit farther inside. A ball of eight edges around is flattened at 0.04.
 constexpr double run_off_of_guess = 0.13;
-constexpr double far_off = 0.25;
+constexpr double far_off = share::quarter;
 /// Of the hole's diameter, of where the mesh would continue: what is known better is met by the fairest cage, whose limit is fitted, two to five
 /// times as nearly on balls. Else the limit is 0.53 times as far from the one that was there where the mesh continues, in the geometric mean of 23
 /// holes in Blender's heads, skins, remeshes and subdivided boxes whose quads continue, at most 2.3 times.
@@ -41,7 +42,7 @@ constexpr double likely = 3.5;
 /// there; with 10 to 100 faces it is 1.1 to 1.2 times as far. Over grids on balls and waves 150 to 4,400 are 0.2 to 1 times as far.
 constexpr Index many = 150;
 /// If it folds or crosses itself there, it is made fair after all up to so many vertices, which takes three seconds.
-constexpr Index max_fair = 1000;
+constexpr Index max_fair = count::quadratic;
 
 /// Whether the patch's own shape is asked for.
 bool has_own_shape(const FillOptions& options) {

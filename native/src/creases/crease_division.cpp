@@ -16,9 +16,6 @@ namespace {
 /// Vertices of a crease that its curve is fitted to, on either side: farther ones tell nothing of the hole. Of 68 holes across
 /// creases (features.cpp) none has more than 17; with twelve their fills are as near in the mean.
 constexpr Index max_of_chain = count::dozens;
-/// New edges along a crease for each edge of the rim, if no resolution is given. The crease is at most half as long as the rim.
-/// With edges as short as those at its ends a rim of 65 edges got 60,000 triangles.
-constexpr Index crease_edges_a_rim_edge = 1;
 
 /// A line through points, linear between them, and their deviations.
 class Polyline {
@@ -93,8 +90,8 @@ private:
     const double ratio = after / before;
     const double edges = curve.length() / before * (std::abs(ratio - 1) < tolerance::same ? 1 : std::log(ratio) / (ratio - 1));
     const Index asked = static_cast<Index>(std::llround(std::min((1 - tie) * edges, 1 / tolerance::solved)));
-    const Index count =
-        std::max(least, out_.even > 0 ? asked : std::min(asked, crease_edges_a_rim_edge * static_cast<Index>(rim_.size())));
+    // If no resolution is given, no more than the rim has: with edges as short as those at its ends a rim of 65 edges got 60,000 triangles.
+    const Index count = std::max(least, out_.even > 0 ? asked : std::min(asked, static_cast<Index>(rim_.size())));
     VertexLoop line = {from};
     if (count > 1) {
       Eigen::VectorXd shares(count - 1);

@@ -15,8 +15,6 @@ namespace {
 
 /// Runs of the rim along one wall each of which all ways to meet are tried: nine have 429. Of more, one meets all others.
 constexpr std::size_t max_runs = 9;
-/// Of the hole's diameter, from the nearest vertex of the rim: where walls meet farther off, the fill would leave the hole.
-constexpr double farthest_node = 1;
 /// Of the volume that three unit normals span, or the area of two: less, and it is chance where their curved walls meet.
 constexpr double min_span = share::trace;
 /// Points along a curved crease: over a quarter of a circle its chords are 1e-4 of the radius off.
@@ -118,7 +116,7 @@ private:
     if (!node) return {};
     Index nearest = 0;
     const double far = (rim_.rowwise() - node->transpose()).rowwise().norm().minCoeff(&nearest);
-    if (!(far < farthest_node * across_)) return {};
+    if (!(far < across_)) return {};  // the fill would leave the hole
     const double within = std::max({walls_[of[0]].within(), walls_[of[1]].within(), walls_[of[2]].within()});
     if (far < within) return nearest;
     for (std::size_t k = 0; k < nodes_.size(); ++k)

@@ -14,8 +14,8 @@ namespace {
 
 // Half and twice of these numbers were tried on 78 rims in meshes of balls, tori, saddles and fillets, of 1 to 16 edges a side, with noise
 // of 0 to 2% of an edge. Two percentages tell by how much planes err more in the mean: with half, with twice of it.
-constexpr double never_one_plane =
-    angle::steep;  ///< degrees between the planes of two sides at their corner: each keeps its own (0%, -3%);
+/// Degrees between the planes of two sides at their corner: each keeps its own (0%, -3%).
+constexpr double never_one_plane = angle::steep;
 constexpr double one_plane = angle::slight;    ///< also from so many degrees on (0%, -2%),
 constexpr double apart = deviations::certain;  ///< where they are so many standard deviations apart (2%, -3%)
 /// Faces in one plane at a corner, as wide as so many edges of the rim, are looked at: no needles. Any width between half and twice of it

@@ -15,7 +15,7 @@
 namespace tripatch {
 namespace {
 
-constexpr std::size_t many_faces = 500;  ///< it takes 30 us to look at them, several times what it costs to share that
+constexpr std::size_t many_faces = count::block;  ///< it takes 30 us to look at them, several times what it costs to share that
 /// Radians: edges that bend less are never sharp; a quarter of a circle in eleven steps bends by this.
 constexpr double sharp_bend = 8 * std::numbers::pi / 180;
 /// A sharp edge bends this many times as much as any edge near it that runs its way: a chamfer's edge does, the edges of a coarse

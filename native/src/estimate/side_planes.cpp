@@ -22,8 +22,8 @@ constexpr int pooled = count::pair;        ///< vertices to each side that are j
 /// Logarithm of densities: what is near is predicted within a seventh. Less says nothing, for the first guess of a plane is made of the
 /// nearest faces themselves: where the noise is 1% of the edges, one ring seems better by 1 to 1.6.
 constexpr double by_far = 2;
-constexpr double by_some =
-    share::half;  ///< without noise: a fifth; nothing where the other is as much less certain of its plane.
+/// Without noise: a fifth; nothing where the other is as much less certain of its plane.
+constexpr double by_some = share::half;
 /// Vertices to each side along the rim that a vertex is compared with.
 constexpr int max_compared = count::few, min_compared = count::pair;
 /// Of the mean rim edge: a rim of a deviation of less has no noise; coarse meshes of 12 degrees an edge have 1e-3.
@@ -39,11 +39,11 @@ constexpr double agrees =
 /// By how much a plane is off along the rim where a side turns by x radians an edge: this times x^3, as the ends of a spline through an
 /// arc are. 2.7 to 3.2 degrees on arcs of 70 to 120 degrees in two edges.
 constexpr double expected_error_turn = 7.5 * std::numbers::pi / 180;
-constexpr int few_edges =
-    count::several;                     ///< of a side; of more, fits see the turn themselves: less by the square of their number
+/// Of a side; of more, fits see the turn themselves: less by the square of their number.
+constexpr int few_edges = count::several;
 constexpr double bent = angle::slight;  ///< degrees that a side turns by at least, for its faces to tell their plane; 0%, 0%
-constexpr double always_plausible =
-    share::trace;  ///< sine of the angle by which a plane may always lean against the faces next to it, 1 degree
+/// Sine of the angle by which a plane may always lean against the faces next to it, 1 degree.
+constexpr double always_plausible = share::trace;
 
 /// The heights nearest to a rim vertex, which every neighborhood has to explain.
 std::vector<double> densities(const LocalMesh& w, const SideDraft& side, int k, const std::vector<Share>& nearest,

@@ -11,13 +11,13 @@ namespace {
 
 // Half and twice of these numbers were tried on 78 rims in meshes of balls, tori, saddles and fillets, of 1 to 16 edges a side, with noise
 // of 0 to 2% of an edge. Two percentages tell by how much planes err more in the mean: with half, with twice of it.
-constexpr int enough_points = 50;  ///< a stencil stops growing at this size: more than twice the terms; -6%, 0%
-constexpr int few_points =
-    count::octet;  ///< beyond the rim: with fewer, those that do not lie in front of the side are used too; 3%, -5%
-constexpr double steep =
-    share::half;  ///< cosine: vertices turned further count for nothing (14%, and with twice of it none is left),
-constexpr double fully_from =
-    share::three_tenths;  ///< and fully from so much more on, where their heights are those of a graph; 5%, -8%
+constexpr int enough_points = fit_terms * 2 + 8;  ///< a stencil stops growing at this size: more than twice the terms; -6%, 0%
+/// Beyond the rim: with fewer, those that do not lie in front of the side are used too; 3%, -5%.
+constexpr int few_points = count::octet;
+/// Cosine: vertices turned further count for nothing (14%, and with twice of it none is left).
+constexpr double steep = share::half;
+/// And fully from so much more on, where their heights are those of a graph; 5%, -8%.
+constexpr double fully_from = share::three_tenths;
 // Shares fade over a quarter of a rim edge, or of a ratio of distances, for a plane shall not jump when a vertex moves.
 constexpr double beyond_end = 0.35;   ///< rim edges beyond the plane across a side's end where a share reaches 0; 1%, -4%
 constexpr double nearer_other = 1.3;  ///< times as far from the side as from its neighbor: the share is 0; 31%, -6%

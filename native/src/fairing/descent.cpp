@@ -18,16 +18,16 @@ namespace {
 
 // Half and twice of these numbers were tried on seven three-sided holes of 8 edges a side: in a sphere, a torus, a saddle, Franke's function
 // and a helicoid, and at two corners of fillets. Reported is by how much of the diameter a vertex of one of them moves at most.
-constexpr double weight_of_jumps =
-    share::tenth;  // of the energy at the start, for each jump of curvature that is tolerated: 1e-3
-constexpr double share_of_reach =
-    share::nearly_all;  // of the way to alpha's bound, so that the steps that follow have room: 0 with 0.54
+/// Of the energy at the start, for each jump of curvature that is tolerated: 1e-3.
+constexpr double weight_of_jumps = share::tenth;
+/// Of the way to alpha's bound, so that the steps that follow have room: 0 with 0.54.
+constexpr double share_of_reach = share::nearly_all;
 /// Of one of two energies in the derivative: for less its model, half the work, is not made: 1e-5.
 constexpr double min_share = share::little;
 
 constexpr double enough = share::hundredth;  // relative gain: the step that gains less is the last
-constexpr double none =
-    tolerance::close;  // next to none: energies have no units, and those of holes with any shape of their own are above 1e-2
+/// Next to none: energies have no units, and those of holes with any shape of their own are above 1e-2.
+constexpr double none = tolerance::close;
 
 /// to += weight * from.
 void add_times(double weight, const double* from, Index count, double* __restrict to) {

@@ -41,8 +41,8 @@ double energy(const Surface& surface, Fairing of, double size, int nodes_per_dir
 }
 
 double size_of(const Surface& surface) {
-  constexpr int steps =
-      count::places;  // on a side: of one that is half of a circle 1 - cos(pi / 32), half a percent, is not seen at most
+  // On a side: of one that is half of a circle 1 - cos(pi / 32), half a percent, is not seen at most.
+  constexpr int steps = count::places;
   Points b(3 * steps, 3);
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < steps; ++k) {

@@ -12,8 +12,8 @@
 namespace tripatch {
 namespace {
 
-constexpr Index few_folds =
-    count::hundred;  // of a grid's 2145 points: where more fold, a little of the interior term cannot help
+/// Of a grid's 2145 points: where more fold, a little of the interior term cannot help.
+constexpr Index few_folds = count::hundred;
 
 /// The candidate to be taken: the first with folds no more than the plain patch has, or that can do without them.
 class CandidateChoice {

@@ -7,12 +7,13 @@
 #include "tripatch/math/linear.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/places.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
 
 /// So many are worth a thread: each takes a microsecond.
-constexpr Index nodes_a_thread = 60;
+constexpr Index nodes_a_thread = count::many_places;
 
 }  // namespace
 

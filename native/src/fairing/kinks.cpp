@@ -68,8 +68,8 @@ private:
 
 Vec3 in_plane(const Vec3& v, const Vec3& n) { return v - n.dot(v) * n; }
 
-constexpr double min_slant =
-    share::fifth;  // cosine: a line that leaves the side at less than some 12 degrees is no crease to be followed
+/// Cosine: a line that leaves the side at less than some 12 degrees is no crease to be followed.
+constexpr double min_slant = share::fifth;
 
 /// A derivative across that is in the planes of both sides of a kink and goes as far inwards as v: where they differ, along the line
 /// where they meet, which is the crease that ends there. None where that line runs along the side.

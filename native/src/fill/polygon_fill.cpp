@@ -7,7 +7,7 @@
 
 #include "tripatch/constructions/methods.h"
 #include "tripatch/math/canonical_start.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/triangles.h"
 #include "tripatch/messages.h"
@@ -383,7 +383,7 @@ PolygonFill fill_with_polygon(const Mesh& mesh, const Connectivity& around, cons
 namespace {
 
 /// Of waves round a rim: so many as it has edges, but no more than these.
-constexpr int max_waves = 48;
+constexpr int max_waves = count::many_places;
 
 int waves_of(const std::vector<Index>& rim) { return std::min(static_cast<int>(rim.size()), max_waves); }
 

@@ -11,6 +11,7 @@
 #include "tripatch/hole/sharp_sides.h"
 #include "tripatch/math/linear.h"
 #include "tripatch/math/parallel.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/cover.h"
 #include "tripatch/output/quad_cover.h"
@@ -41,7 +42,7 @@ std::vector<double> sharp_sides_of(const FillContext& context, const Hole& hole)
 namespace {
 
 /// Edges of a rim from which on to cover the patch takes as long as to look at its rim, some 50 us, and a thread is worth what it costs.
-constexpr std::size_t long_enough = 60;
+constexpr std::size_t long_enough = count::many_places;
 
 /// The patch; next to a limit surface, whose slopes ripple from vertex to vertex of a cage of triangles, that which bends least where the
 /// fairest one folds: no surface of another kind can take its place there.

@@ -7,7 +7,7 @@
 #include "tripatch/math/damping.h"
 #include "tripatch/math/plane.h"
 #include "tripatch/math/sparse_ldlt.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/parametrization/parametrization.h"
 #include "tripatch/spline/minimize_bending.h"
 
@@ -28,7 +28,7 @@ constexpr double bending_of_plate = 1.0 / 12;
 constexpr double most_damping = 1e6;
 /// It ends when a step that is hardly damped takes no more than nobody sees off the energy.
 constexpr double hardly_damped = 1e-5;
-constexpr int max_steps = 60;
+constexpr int max_steps = count::many_places;
 
 struct WeightedEdge {
   Index from, to;

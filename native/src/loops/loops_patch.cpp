@@ -20,7 +20,7 @@ namespace tripatch {
 namespace {
 
 /// Points at which the base meets the sides, all loops together.
-constexpr double base_points = 160;
+constexpr double base_points = count::cubic;
 constexpr int least_base_points = count::few;  ///< of an edge
 /// The kernel r^5, as that of HermiteCorrection: its sums keep all but a few digits.
 constexpr double base_order = 3.5;

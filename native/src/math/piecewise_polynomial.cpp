@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "tripatch/math/linear.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -460,7 +460,7 @@ bool PiecewisePolynomial::is_finite() const {
 }
 
 double arc_length(const PiecewisePolynomial& curve) {
-  constexpr int steps = 32;
+  constexpr int steps = count::places * 2;
   double length = 0;
   Vec3 last = curve(0);
   for (int k = 1; k <= steps; ++k) {

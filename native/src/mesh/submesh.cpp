@@ -2,11 +2,13 @@
 
 #include <algorithm>
 
+#include "tripatch/math/thresholds.h"
+
 namespace tripatch {
 namespace {
 
 /// Numbers between the first and the last of some over how many they are, up to which looking at each takes less than sorting.
-constexpr Index at_most_apart = 30;
+constexpr Index at_most_apart = count::dozens;
 
 }  // namespace
 

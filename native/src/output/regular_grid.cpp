@@ -18,7 +18,7 @@ namespace {
 constexpr double min_shape_in_domain = share::tenth, min_shape_in_space = share::fifth;
 
 /// So many of the grid are worth a thread: each takes some 20 ns.
-constexpr Index grid_points_a_thread = 1500;
+constexpr Index grid_points_a_thread = count::quadratic;
 
 using Parameters = std::array<std::vector<double>, 3>;
 

@@ -21,8 +21,8 @@ namespace {
 
 using VertexPair = std::array<int, 2>;
 
-constexpr int max_sources = count::hundreds;  // of rim sizes: longer rims count by runs of edges
-constexpr int max_passes = 60;                // a rim of 10,000 edges needs 25
+constexpr int max_sources = count::hundreds;    // of rim sizes: longer rims count by runs of edges
+constexpr int max_passes = count::many_places;  // a rim of 10,000 edges needs 25
 constexpr int careful_passes = count::pair;
 constexpr double min_move = 0.03;  // of the size: smaller moves are not worth an evaluation
 

@@ -163,7 +163,7 @@ private:
 
   /// How many triangles of the wanted sizes cover the surface.
   double triangles_wanted() const {
-    constexpr int rows = 48;  // of a grid over the patch, a choice
+    constexpr int rows = count::many_places;  // of a grid over the patch, a choice
     constexpr TriangularGrid grid = {rows};
     const Points b = grid.barycentric();
     const Points x = patch_.positions(b);

@@ -31,7 +31,7 @@ constexpr int reweightings = count::several;
 /// Of the energy before: a reweighting that leaves more is the last.
 constexpr double enough_gained = 0.99;
 /// Of a step, until it gains that: after so many it is rounding.
-constexpr int halvings = 40;
+constexpr int halvings = count::halvings;
 /// A step of Newton's that leaves more than rounding is refined, so many times at most. Next to thin triangles the matrix has
 /// lost the digits of how they move as a whole, and later steps enlarge the rounding of a step up to a million times. On meshes
 /// stretched by 1000 two refinements leave 1e-13; others need none, or one.
@@ -42,7 +42,7 @@ constexpr double still_refines = share::half;
 /// end of such layouts the tolerance is smaller, and there are so many times more steps. Of 1,658 layouts in even, bumpy and
 /// noisy meshes 2% begin with more, of 155 in known surfaces and scanned meshes none.
 constexpr double hard = factor::extreme;
-constexpr int hard_iterations = 5;
+constexpr int hard_iterations = count::half_dozen;
 /// Of the energy before: steps that take less, of such a layout, are made with the Hessian as it is, where that is definite. Without its
 /// indefinite parts the last steps each leave a part of what was left: 120 of them end where 200 did not.
 constexpr double near_its_end = share::tenth;

@@ -32,7 +32,7 @@ constexpr int speed_places = count::many_places;  ///< where speeds are looked a
 /// The logarithm of a side's speed may change at this rate (over the whole side) at most, else all sides of a patch are run through by
 /// length. Of 29 faces of CAD files, with the faces' own planes, the 18 with faster sides came 0.4 to 290 times as near by length, 3.4 times
 /// in the geometric mean; quadrangles on known surfaces between lines of their charts, which are slower, 0.9 times.
-constexpr double max_change = 0.45;
+constexpr double max_change = share::half;
 
 std::array<double, speed_places + 1> speeds(const PiecewisePolynomial& c) {
   std::array<double, speed_places + 1> speed;

@@ -21,8 +21,8 @@ namespace {
 constexpr int measured_waves = count::dozen;
 /// Places on the disc at which a patch is looked at: choices.
 constexpr int round_fold_rings = count::places, round_fold_angles = count::many_places;
-constexpr int energy_nodes_round =
-    count::octet;  ///< along the radius; with half as many the energy over an uneven rim is 1% off, twice as many change 1e-6
+/// Along the radius; with half as many the energy over an uneven rim is 1% off, twice as many change 1e-6.
+constexpr int energy_nodes_round = count::octet;
 
 /// Of waves round the circle at t.
 Vec3 at_turn(const Harmonic& waves, double t) {

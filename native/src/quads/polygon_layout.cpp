@@ -19,12 +19,13 @@ namespace {
 
 constexpr std::size_t subsets_tried = 10;  ///< choices of corners for which the integers are sought
 /// With each number of corners, embedded, smoothed and measured: of a rim of few edges more, as there it costs little.
-constexpr std::size_t layouts_tried = count::pair, layouts_of_many_tried = 1;
+constexpr std::size_t layouts_tried = count::pair;
 /// Of a rim: of more one layout is tried. Of 60 outlines of three to eight sides in 100 edges nine take the second, whose least scaled
 /// Jacobian is 0.05 higher in their mean; it costs as much as the first, half a thousand quads and more.
 constexpr Index many_edges = count::hundred;
-constexpr Index max_round_starts = 32;  ///< places of a round rim from which a grid's corners are counted
-constexpr Index edges_a_ring = 20;  ///< of a round rim: rings that are as wide as these would leave the grid's corners regular
+constexpr Index max_round_starts = count::dozens;  ///< places of a round rim from which a grid's corners are counted
+/// Of a round rim: rings that are as wide as these would leave the grid's corners regular.
+constexpr Index edges_a_ring = count::dozens;
 /// Cuts are sought at about so many places of a side, then moved edge by edge.
 constexpr Index places_on_side = count::octet;
 constexpr double flat_angle_cost = 20;  ///< of a coarse corner that is straight or turned over: 1 / sin of 3 degrees
@@ -411,8 +412,7 @@ Chosen best_plan(const PlanePoints& rim, const std::vector<RimCorner>& corners, 
   std::optional<Chosen> best;
   double best_score = 0;
   for (const Plan& plan : plans) {
-    if (tried[plan.rings > 0 ? 0 : plan.sides.size()]++ >= (rim.rows() > many_edges ? layouts_of_many_tried : layouts_tried))
-      continue;
+    if (tried[plan.rings > 0 ? 0 : plan.sides.size()]++ >= (rim.rows() > many_edges ? 1 : layouts_tried)) continue;
     PlaneLayout layout = laid_out(rim, plan, region, rows);
     const double score = score_of_trial(layout, static_cast<double>(layout.poles.size()) + plan.irregular);
     if (best && !clearly_more(score, best_score)) continue;

@@ -7,7 +7,7 @@
 #include "tripatch/cage/limit_mesh.h"
 #include "tripatch/math/box_tree.h"
 #include "tripatch/math/interruption.h"
-#include "tripatch/math/tolerances.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/report/crossings.h"
 
 namespace tripatch {
@@ -195,7 +195,7 @@ std::vector<std::vector<Index>> faces_by_fill(std::span<const Index> fill_of_fac
 ///
 /// box: around all triangles of the fills.
 void look_at_mesh(const Mesh& mesh, const BoxTree::Box& box, Passages& passages) {
-  constexpr Index together = 16;  // nothing but time depends on it
+  constexpr Index together = count::places;  // nothing but time depends on it
   const std::vector<unsigned char> beyond = sides_beyond(mesh.vertices, box);
   std::vector<Index> faces;
   std::vector<std::size_t> near;

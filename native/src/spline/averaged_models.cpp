@@ -16,11 +16,11 @@ constexpr double min_share_of_second = share::tenth;
 /// of an edge: that knows little and runs nowhere. Of 500 holes in 25 meshes made by Blender's tools, and the same cut into triangles, 8
 /// are so far off; the triangles that bend least are 2.5 to 16 times nearer on three of them and a third farther at worst. From 0.13
 /// on it is the same; with all noises some are 4 times farther.
-constexpr double far_from_least_bent = share::fifth, little_noise = 0.15;
+constexpr double far_from_least_bent = share::fifth, little_noise = share::fifth;
 /// The field that carries the difference over all of the hole: its order, and of how many points at most it is made; of half as many
 /// 7 of 84 fills change, by 0.1% together.
 constexpr double order_of_difference = 2.5;
-constexpr Index points_of_difference = 240;
+constexpr Index points_of_difference = count::block;
 
 /// Every so many rows that they are not more than a difference is made of.
 std::vector<Index> rows_of_difference(Index all) {

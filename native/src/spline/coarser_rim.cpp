@@ -21,7 +21,7 @@ constexpr double edges_of_circle = 200, max_edges_of_circle = 350, min_rows = co
 /// them are seen, one is four times farther off than seen from above.
 constexpr double min_width = share::most;
 /// Of a field fitted to more: with 600 and 200 caps and waves are as far off, with 100 some are farther.
-constexpr Index max_centers = 300;
+constexpr Index max_centers = count::block;
 
 /// A hole whose rim has a part of another's vertices.
 struct CoarseHole {

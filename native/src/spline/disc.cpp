@@ -17,7 +17,7 @@ namespace {
 
 /// An outer border that is shorter than this share of the rim closes again behind the hole: no plane holds both without squeezing
 /// one. At 0.7 half a ball keeps what lies next to its rim, and a limb without its end some of its length.
-constexpr double min_border = 0.7;
+constexpr double min_border = share::most;
 /// Rings that are taken whatever their border: their slope is what a fill has to continue.
 constexpr int min_rings = count::pair;
 

@@ -13,7 +13,7 @@ namespace {
 /// Gauss-Newton's, to feet on a surface: they move by this share of its domain at most.
 constexpr double longest_step_to_feet = share::trace;
 /// Vertices that a field is fitted to next to its centers: the time grows with their number, noise is averaged over them.
-constexpr Index max_fitted = 4000;
+constexpr Index max_fitted = count::portion;
 
 /// Where the tangent planes at the rim have vertices.
 PlanePoints on_tangent_planes(const Disc& disc, const std::vector<Index>& rows, const Surface& surface,

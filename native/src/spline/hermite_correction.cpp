@@ -16,7 +16,6 @@ using Eigen::VectorXd;
 
 /// Of the kernel r^5, which has the derivatives that slopes ask for.
 constexpr int kernel_power = 5;
-constexpr double sign = -1;  // with which it is definite
 /// Of longer rims every second vertex, or third: the time grows with the cube of their number.
 constexpr Index max_of_rim = count::hundreds;
 /// Share of the domain's size that places keep from its border, where nothing is added.
@@ -187,14 +186,14 @@ MatrixXd HermiteCorrection::basis(const PlanePoints& at, int axis) const {
     for (Index j = 0; j < n; ++j) {
       const Eigen::RowVector2d way = at.row(i) - values_.row(j);
       const double r = way.norm(), r3 = r * r * r;
-      out(i, j) = sign * (axis < 0 ? r3 * r * r : kernel_power * r3 * way[axis]);
+      out(i, j) = -(axis < 0 ? r3 * r * r : kernel_power * r3 * way[axis]);
     }
     for (Index j = 0; j < m; ++j) {
       const Eigen::RowVector2d way = at.row(i) - slopes_.row(j);
       const double r = way.norm(), r3 = r * r * r;
       for (int by = 0; by < 2; ++by) {
         const double value = axis < 0 ? r3 * way[by] : (axis == by ? r3 : 0) + 3 * r * way[by] * way[axis];
-        out(i, n + by * m + j) = -sign * kernel_power * value;
+        out(i, n + by * m + j) = kernel_power * value;
       }
     }
   }
@@ -238,11 +237,11 @@ void HermiteCorrection::jets(const double* b, Index n, double* out) const {
     };
     for (Index j = 0; j < values; ++j) {
       const std::array<Jet<N>, 2> way = from(values_.row(j));
-      add(sign * power(way[0] * way[0] + way[1] * way[1], kernel_power), j);
+      add(-power(way[0] * way[0] + way[1] * way[1], kernel_power), j);
     }
     for (Index j = 0; j < m; ++j) {
       const std::array<Jet<N>, 2> way = from(slopes_.row(j));
-      const Jet<N> radial = (-sign * kernel_power) * power(way[0] * way[0] + way[1] * way[1], kernel_power - 2);
+      const Jet<N> radial = kernel_power * power(way[0] * way[0] + way[1] * way[1], kernel_power - 2);
       for (int by = 0; by < 2; ++by) add(radial * way[by], values + by * m + j);
     }
     const Jet<N> u = Jet<N>::linear(at[0], step, 0), v = Jet<N>::linear(at[1], 0, step);

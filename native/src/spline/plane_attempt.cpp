@@ -18,7 +18,7 @@ namespace {
 
 /// Where the fill's area exceeds that of the rough one by this factor the layout is repeated with the fill in it. Of 84 holes of scanned and
 /// modelled meshes 7 are, and without it all are 2.3% farther in the mean; always repeated, 1.2%.
-constexpr double strongly_curved = 1.05;
+constexpr double strongly_curved = share::little + 1;
 /// Layouts, at most: none of those 84 holes asks for more; of 72 others (reference.cpp) with two of them two are 17% farther.
 constexpr int layouts = 3;
 /// More samples than of a rim where a strongly curved surface has no noise: there more of them tell more. 30 fills in ellipsoids and balls,
@@ -37,7 +37,7 @@ constexpr double max_fed_back = share::most;
 constexpr double max_leaning = share::half;
 /// Fills of shorter rims with more triangles than this, as none in a flat round hole has, have so few in layouts too: where the field runs
 /// away they are many, and take seconds to lay out and to bend.
-constexpr std::size_t max_in_layouts = 30'000;
+constexpr std::size_t max_in_layouts = count::linear;
 /// Degrees of the reference. Of known surfaces with no noise, holes to half a ball: with degree 4 foot points are smooth enough that
 /// the field's distance from the truth falls to a hundredth of that over the layout. Higher degrees follow the layout's noise, and
 /// noise of 2% of an edge. Scanned and modelled meshes have details: around 250 holes of them degree 6 is 5% nearer, 7 no more.

@@ -6,13 +6,6 @@
 #include "tripatch/triangulation/plane_triangles.h"
 
 namespace tripatch {
-namespace {
-
-/// Farther from the rim than this share of the hole's diameter a fill has left its neighborhood. A bound for what runs away: between half
-/// and twice of it not one of 84 fills changes.
-constexpr double farthest = 1.0;
-
-}  // namespace
 
 PlaneRim plane_rim(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops) {
   PlaneRim rim;
@@ -81,7 +74,8 @@ PlanePolygon polygon_of(const PlaneRim& rim, const PlanePoints& uv) {
 
 bool stays_near(const Points& points, const PlaneRim& rim) {
   const Index r = rim.points.rows(), step = std::max<Index>(1, r / 200);
-  const double most = farthest * farthest * rim.diameter * rim.diameter;
+  const double most =
+      rim.diameter * rim.diameter;  // a bound for what runs away: between half and twice of it not one of 84 fills changes
   for (Index k = 0; k < points.rows(); ++k) {
     bool near = false;
     for (Index j = 0; j < r && !near; j += step) near = (points.row(k) - rim.points.row(j)).squaredNorm() <= most;

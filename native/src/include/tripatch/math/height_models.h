@@ -5,12 +5,13 @@
 #include <cstddef>
 #include <vector>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
 
 /// Samples of HeightSpline: two rings around eight edges have about forty vertices. The time grows with the cube.
-constexpr std::size_t max_height_samples = 56;
+constexpr std::size_t max_height_samples = count::many_places;
 /// Polynomials to degree 2.
 constexpr int quadric_terms = 6;
 using QuadricTerms = Eigen::Matrix<double, quadric_terms, 1>;

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "tripatch/math/interruption.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
@@ -101,7 +102,7 @@ void each_at_once(Index count, const F& f, bool worth_it) {
 /// Whether f(k) is true for each k < count, on all cores where they are many; each takes some 10 ns.
 template <class F>
 bool holds_for_all(Index count, const F& f) {
-  constexpr Index share = 4000;  // several times what it costs to share
+  constexpr Index share = count::portion;  // several times what it costs to share
   std::atomic<bool> all = true;
   parallel_for(0, count, share, [&](Index from, Index to) {
     for (Index next = from; next < to && all;) {

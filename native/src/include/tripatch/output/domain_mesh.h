@@ -35,7 +35,8 @@ public:
 protected:
   static constexpr double growth = 0.4;            // of the size per distance, where the rim is finer than the inside
   static constexpr double max_triangles = 50'000;  // wanted where the rim's density says the count; grading adds to it
-  static constexpr double max_over = 8;  // times as many triangles as the sizes say: no more are made (5 where a rim is uneven)
+  static constexpr double max_over =
+      factor::huge;  // times as many triangles as the sizes say: no more are made (5 where a rim is uneven)
   static constexpr double too_long = 4.0 / 3, too_short = share::most;  // times the size: where edges are split and collapsed
 
   /// Edges looked at for each triangle until flips have come to no end, which there may be none of where the surface folds over itself; and
@@ -46,7 +47,7 @@ protected:
   static constexpr double rounding =
       tolerance::solved;  // of an area, per length: ten times that of coordinates from 0 to 1 read far from the origin
 
-  static constexpr int at_rim = -1, at_lattice = -2;
+  enum : int { at_rim = -1, at_lattice = -2 };
   struct Triangle {
     std::array<int, 3> v;  // v[0] < 0: removed
     std::array<int, 3> n;  // n[k]: the triangle across the edge opposite v[k], or at_rim, or at_lattice

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tripatch/math/plane.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/types.h"
 
@@ -36,7 +37,7 @@ Points smoothed_on(PlaneLayout& layout, const Surface& surface, const Points& bo
 /// The sine of the least angle of a quad that is still good. Of two places nearer and nearer to each other in a square of quads, where vertices
 /// are moved to them, it is 0.38 or more, or quads are stuck, turned over or nearly (0.03): nothing lies between. Quads that grow in from
 /// a rim have it where those around do: in sheared grids.
-constexpr double min_sine = 0.17;
+constexpr double min_sine = share::fifth;
 
 /// Smooths a layout a few sweeps in its plane, as far as layouts are that are tried.
 void smooth_trial(PlaneLayout& layout);

@@ -23,7 +23,7 @@ constexpr int max_rings = count::rings;
 /// Where long rims are not seen from above, the fill in their layouts has a third of the rim in so many edges inside: its triangles would be ten times those
 /// of the rings. Of six caps of a sphere, 60 degrees, rims of 600 to 1,050 edges that are jagged by 0.01 and 0.02, with 10, 40 and 200
 /// five are as far off, one with 10 half as far; with 200 it takes twice as long.
-constexpr int edges_in_layouts = 20;
+constexpr int edges_in_layouts = count::dozens;
 
 /// Details: what a polynomial of the higher degree leaves, over an edge. With twice as much 84 holes are 0.7% farther, with half 0.8% nearer.
 constexpr double detail = share::little;
