@@ -75,8 +75,7 @@ void bind_report(py::module_& m) {
   py::class_<Report> report(m, "Report", "Numbers of a fill: angles in degrees, time in seconds.");
   define_constructor<>(report, [] { return Report(); });
   report
-      .def_readonly("seam_angle_max", &Report::seam_angle_max,
-                    "Largest angle between the fill and the surroundings used, in degrees.")
+      .def_readonly("seam_angle_max", &Report::seam_angle_max, "Largest angle of the fill to the surroundings used, in degrees.")
       .def_readonly("seam_angle_rms", &Report::seam_angle_rms, "Root mean square of that angle, in degrees.")
       .def_readonly("seam_angle_max_by_side", &Report::seam_angle_max_by_side, "Largest angle on each side, in degrees.")
       .def_readonly("seam_angle_rms_by_side", &Report::seam_angle_rms_by_side, "Root mean square on each side, in degrees.")
@@ -120,10 +119,8 @@ void bind_report(py::module_& m) {
       .def_readonly("rim_folded", &Report::rim_folded,
                     "The same of the rim's own triangulation, and of faces beyond the rim that are folded over those around "
                     "them: such a rim leaves no other way.")
-      .def_property_readonly(
-          "is_flawed", &is_flawed,
-          "Whether the fill folds more than its rim does, crosses itself or misses its boundary: what the exit status "
-          "of commands counts as invalid.")
+      .def_property_readonly("is_flawed", &is_flawed,
+                             "Whether it folds more than its rim, crosses itself or misses its boundary.")
       .def_readonly("crosses_itself", &Report::crosses_itself,
                     "Whether new faces go through each other, which every way to fill the rim that was tried does; not looked "
                     "for in cages.")

@@ -423,7 +423,8 @@ void complete_report(const Mesh& mesh, const FillOptions& options, Fill& fill) {
   for (Message& said : told_of_not_taken(options, report.method)) report.warnings.push_back(std::move(said));
   report.not_applied.merge(not_applied(options, fill));
   const auto bulge = report.not_applied.find("bulge");
-  if (options.bulge.values().size() > 1 && bulge != report.not_applied.end() && bulge->second == "sides")
+  const bool differs = std::ranges::any_of(options.bulge.values(), [](double each) { return each != 1; });
+  if (options.bulge.values().size() > 1 && differs && bulge != report.not_applied.end() && bulge->second == "sides")
     report.warnings.push_back({Code::options_need_smooth_sides, {{"options", std::vector<std::string>{"bulge"}}}});
 }
 

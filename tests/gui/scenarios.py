@@ -85,6 +85,11 @@ def panel_rows(w):
     yield from w.click_at(*place)
     assert w.region("HUD").height > folded + 20 and (PANELS or last_operator().show_sides)
     yield from w.picture("sides-unfolded")
+    hud = w.region("HUD")
+    folded = hud.height
+    yield from w.click_at(hud.x + 20, hud.y + 18)  # the lowest row
+    assert w.region("HUD").height > folded + 60 and (PANELS or last_operator().show_choice), "Candidates unfolds"
+    yield from w.picture("candidates-unfolded")
 
 
 def panel_of_triangles(w):

@@ -157,7 +157,7 @@ def test_why_prints_a_row_for_each_candidate_the_used_one_first(tmp_path, capsys
     rows = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  ")]
     report = tripatch.fill(vertices, faces, rim=octant(4)[2]).report
     assert len(rows) == len(report.candidates)
-    assert rows[0].split()[:2] == ["used", report.method] and "expected error" in rows[0]
+    assert rows[0].split()[:2] == ["used", f"{report.method}:"] and "expected error" in rows[0]
     assert any("skipped" in row for row in rows)
 
 

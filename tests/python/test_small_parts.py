@@ -155,7 +155,10 @@ SIDE = tripatch.Side(SHEET, 0)
         (lambda: SIDE.evaluate([1.5]), "t must be from 0 to 1, not 1.5"),
         (lambda: tripatch.BezierRectangle([[[0, 0, 0]], [[0, 0, 0], [1, 1, 1]]]), "its rows differ in length"),
         (lambda: tripatch.fill([[0, 0, 0], [1, 0]], [[0, 1, 2]]), "its rows differ in length"),
-        (lambda: tripatch.fill(np.zeros((4, 3)), np.zeros((2, 3, 3), int)), r"must have shape \(m, 3\), not \(2, 3, 3\)"),
+        (
+            lambda: tripatch.fill(np.zeros((4, 3)), np.zeros((2, 3, 3), int)),
+            r"must have shape \(m, 3\) or \(m, 4\), not \(2, 3, 3\)",
+        ),
     ],
 )
 def test_arguments_of_another_shape_are_refused_by_name(call, said):

@@ -411,8 +411,7 @@ def fill_all(
         join: if rims are None, the distance, in units of the mesh, within which borders that lie on each other are joined:
             vertices move to one place, and a vertex that lies within an edge goes into the face there (T-junctions). None:
             vertices within a millionth of the mesh's size count as one, and stay. Borders that still lie on others are refused.
-        progress: a function of two numbers, holes done and holes in all. It is called several times a second during the work. If
-            it raises an exception, the work stops and the exception comes out, as with Ctrl-C.
+        progress: a function of holes done and holes in all, called several times a second. An exception in it stops the work.
         **options: see OPTIONS.
 
     Returns:
@@ -431,14 +430,11 @@ def fill_all(
     """
     given = checked("fill_all", options)
     v, offsets, face_corners = _arrays.mesh(*_arrays.parts(vertices, faces, "fill_all"))
-    choosing = [name for name in options if "choose_holes" in OPTIONS[name].functions]
-    if rims is not None and choosing:
+    if rims is not None and (choosing := [name for name in options if "choose_holes" in OPTIONS[name].functions]):
         raise WrongValue(Message("options_exclusive", {"first": "rims", "second": choosing[0]}))
     if islands not in ("auto", "none"):
         raise not_one_of("islands", islands, ("auto", "none"))
-    holes = rims if isinstance(rims, Holes) else None
-    if rims is None:
-        holes = Holes(v, offsets, face_corners, given, islands, join)
+    holes = Holes(v, offsets, face_corners, given, islands, join) if rims is None else rims if isinstance(rims, Holes) else None
     if holes:
         _, offsets, face_corners = holes.mesh
     loops = holes.rims if holes else [_arrays.indices(loop, "rim") for loop in rims]
@@ -451,16 +447,15 @@ def fill_all(
         results = _with_islands(mesh, holes, options, by_rim, progress)
     else:
         results = _native._fill_all(*mesh, loops, given, by_rim, progress, holes.connected if holes else None)
-    together: list[Any] = []
-    fills: list[Fill | Refusal] = []
+    together, fills = list[Any](), list[Fill | Refusal]()
     for k, result in enumerate(results):
         if isinstance(result, Refusal):
             fills.append(result)
             continue
         if holes and holes.islands[k]:
-            source = Source("fill", v, offsets, face_corners, {**options, "islands": holes.islands[k]}, loops[k])
+            source = Source("fill", *mesh, {**options, "islands": holes.islands[k]}, loops[k])
         else:
-            source = Source("fill_all", v, offsets, face_corners, options, loops[k], by_rim[k] if by_rim else None)
+            source = Source("fill_all", *mesh, options, loops[k], by_rim[k] if by_rim else None)
         filled = Fill(holes.brought_back(result) if holes else result, source)
         fills.append(filled)
         if given["output"] == "cage":

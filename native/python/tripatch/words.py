@@ -27,12 +27,13 @@ def length(value: float) -> str:
 
 
 def candidates(report: Report, *, aligned: bool = True) -> list[Message]:
-    """A line for each way to fill the hole, the one that is used first: 'used     side_vertex  expected error 0.002 (...)'.
+    """A line for each way to fill the hole, the one that is used first: 'used     side_vertex: expected error 0.002 (...)'.
     aligned: in columns, for letters of one width."""
     width, lines = max((len(each.method) for each in report.candidates if aligned), default=0), list[Message]()
     for each in report.candidates:
         status = f"{each.status:8}" if aligned else each.status
-        said: dict[str, Any] = {"status": status, "method": f"{each.method:{width}}", "reason": each.why}
+        gap = " " * (width - len(each.method))
+        said: dict[str, Any] = {"status": status, "method": each.method, "gap": gap, "reason": each.why}
         if each.expected_error is not None:
             flaws = {"crosses": each.crosses, "folds": each.folds, "leaves": each.exceeds_hole_bounds}
             said |= {"error": length(each.expected_error)} | {name: int(value) for name, value in flaws.items() if value}

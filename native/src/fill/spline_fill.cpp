@@ -267,9 +267,7 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   }
   const Index r = static_cast<Index>(fill.rim.size()), n = mesh.vertices.rows();
   const auto mesh_index = [&](Index row) { return row < r ? fill.rim[row] : n + row - r; };
-  Points points(r + made.vertices.rows(), 3);
-  for (Index k = 0; k < r; ++k) points.row(k) = mesh.vertices.row(fill.rim[k]);
-  points.bottomRows(made.vertices.rows()) = made.vertices;
+  const Points points = stacked(Points(mesh.vertices(fill.rim, Eigen::all)), made.vertices);
   if (options.quads) {
     const Faces faces = quads ? quads->faces : pair_quads(points, made.triangles, {}, made.creases);
     for (Index f = 0; f < faces.size(); ++f) {
