@@ -352,3 +352,10 @@ def test_the_arrays_of_an_open3d_mesh_are_filled():
     assert len(filled.get_non_manifold_edges(allow_boundary_edges=False)) == 4 * N  # the outer border
     with pytest.raises(TypeError, match="needs vertices and faces"):
         tripatch.fill_holes(mesh)
+
+
+def test_filters_that_leave_every_hole_are_told():
+    vertices, faces, _ = octant()
+    with pytest.warns(tripatch.FillWarning, match="all holes were excluded by your filters"):
+        _, same = tripatch.fill_holes(vertices, faces, max_edges=3)
+    assert len(same) == len(faces)

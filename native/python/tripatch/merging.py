@@ -15,8 +15,9 @@ from .borders import Joined
 from .errors import FillWarning, Refusal, WrongType, WrongValue, wrong_type
 from .files.mesh_file import MeshFile
 from .filling import Fill, Fills, fill_all
+from .holes import choose_holes
 from .messages import Message
-from .options import checked, takes_options
+from .options import OPTIONS, checked, takes_options
 
 
 class HolesReport:
@@ -197,7 +198,7 @@ def fill_holes(
         TypeError, ValueError: an argument has the wrong type, shape, range or name.
 
     Warns:
-        FillWarning: holes that were refused, and warnings of fills, if no report was requested.
+        FillWarning: holes that were refused or all left out by options, and warnings of fills, if no report was requested.
 
     Example:
         >>> vertices = [[1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]]
@@ -221,6 +222,9 @@ def fill_holes(
     if not return_report:
         if report.refusals and not report.fills:
             raise report.refusals[0]
+        filters = [name for name in options if "choose_holes" in OPTIONS[name].functions and name != "outer"]
+        if filters and not report.fills and choose_holes(vertices, own):
+            warnings.warn(FillWarning(Message("all_holes_filtered")), stacklevel=2)
         for refusal in report.refusals:
             warnings.warn(FillWarning(Message("hole_not_filled", {"reason": refusal.messages[0]}, refusal.where)), stacklevel=2)
         for said in report.warnings:
