@@ -133,8 +133,8 @@ void measure_gap(const Mesh& mesh, Fill& fill) {
   if (!fill.sides.empty() && is_known) tell_gap(diameter(mesh, fill.rim), report);
 }
 
-/// Refuses what lies on the mesh: in the border of a flat sheet.
-void refuse_covering(const FillContext& context, const Fill& fill) {
+/// Tells of what lies on the mesh, in the border of a flat sheet: that folds, as the border could stay open.
+void tell_covering(const FillContext& context, Fill& fill) {
   const Mesh& mesh = context.mesh;
   const auto at = [&](Index v) { return place_of(mesh, fill, v); };
   const std::vector<AdjacentFace> beyond = faces_beyond(mesh, context.left, {fill.rim});
@@ -148,7 +148,8 @@ void refuse_covering(const FillContext& context, const Fill& fill) {
       const Vec3 first = at(fill.faces[f][0]);
       if (!covers((at(fill.faces[f][k - 1]) - first).cross(at(fill.faces[f][k]) - first))) return;
     }
-  throw CodedRefusal(Code::lies_on_mesh, {}, fill.rim);
+  fill.report.rim_folded = 0;
+  fill.report.warnings.push_back({Code::lies_on_mesh});
 }
 
 /// Tells of folds between new faces that the rim forces, unless the fill has sharp edges there.
@@ -177,7 +178,7 @@ Fill fill_by_method(const FillContext& context, const std::optional<std::vector<
   if (fill.patch) measure_gap(context.mesh, fill);
   state_deviation(context.mesh, options, fill);
   if (report.triangles_folded > 0) {
-    refuse_covering(context, fill);
+    tell_covering(context, fill);
     tell_turned_over(context.mesh, context.left, fill.rim, report);
     tell_folded_inside(context.mesh, fill);
   }

@@ -69,10 +69,11 @@ def test_a_sheet_without_a_hole_has_nothing_to_fill():
     with refused("only_outer_borders"):
         tripatch.fill(vertices, faces)
     rim = tripatch.find_holes(faces)[0]
-    with refused("lies_on_mesh"):
-        tripatch.fill(vertices, faces, rim=rim)
+    cover = tripatch.fill(vertices, faces, rim=rim)
+    assert len(cover.faces) > 0 and cover.report.is_flawed and "lies_on_mesh" in [each.code for each in cover.report.warnings]
     vertices[:, 2] = vertices[:, 0] * vertices[:, 1]
-    assert len(tripatch.fill(vertices, faces, rim=rim).faces) > 0
+    closed = tripatch.fill(vertices, faces, rim=rim)
+    assert len(closed.faces) > 0 and "lies_on_mesh" not in [each.code for each in closed.report.warnings]
 
 
 def test_the_border_of_a_bowl_without_another_hole_is_filled():
@@ -109,8 +110,8 @@ def test_the_command_line_says_which_outer_borders_it_leaves_open(tmp_path, caps
     assert (code, err) == (0, "")
     assert text.splitlines()[1] == "2 outer borders left open (18 and 20 edges); use --outer to fill them"
     code, text, err = run(capsys, "fill", path, out, "--all", "--outer")
-    assert code == 3 and "is the border of a flat sheet" in err
-    assert text.startswith("Filled 2 holes") and "left open" not in text
+    assert code == 3 and "The fill lies on the mesh: this is the border of a flat sheet" in err
+    assert text.startswith("Filled 3 holes") and "left open" not in text
 
 
 def test_many_borders_are_told_by_the_smallest_and_the_largest():
