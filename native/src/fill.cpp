@@ -136,7 +136,6 @@ void measure_gap(const Mesh& mesh, Fill& fill) {
 /// Tells of what lies on the mesh, in the border of a flat sheet: that folds, as the border could stay open.
 void tell_covering(const FillContext& context, Fill& fill) {
   const Mesh& mesh = context.mesh;
-  const auto at = [&](Index v) { return place_of(mesh, fill, v); };
   const std::vector<AdjacentFace> beyond = faces_beyond(mesh, context.left, {fill.rim});
   const auto covers = [&](const Vec3& normal) {  // one without an area lies on anything
     return std::ranges::all_of(beyond, [&](const AdjacentFace& face) {
@@ -144,10 +143,7 @@ void tell_covering(const FillContext& context, Fill& fill) {
     });
   };
   for (Index f = 0; f < fill.faces.size(); ++f)
-    for (std::size_t k = 2; k < fill.faces[f].size(); ++k) {
-      const Vec3 first = at(fill.faces[f][0]);
-      if (!covers((at(fill.faces[f][k - 1]) - first).cross(at(fill.faces[f][k]) - first))) return;
-    }
+    if (!covers(area_of(mesh, fill, f))) return;
   fill.report.rim_folded = 0;
   fill.report.warnings.push_back({Code::lies_on_mesh});
 }

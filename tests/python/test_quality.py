@@ -390,7 +390,7 @@ def test_what_cannot_be_drawn_is_said(tmp_path, capsys):
     assert "cannot be written" in capsys.readouterr().err
     assert cli.main(["view", str(mesh), "--zebra", str(tmp_path / "o.png"), "--direction", "0,0,0"]) == 2
     bad = {"--direction=inf,0,0": "finite", "--from=nan,1,1": "finite", "--lines=nan": "finite"}
-    bad |= {"--lines=0": "greater than 0, not 0", "--rim=0,2,8": "No two vertices of --rim"}
+    bad |= {"--lines=0": "greater than 0, not 0", "--rim=0,2,8": "No edge of --rim lies between"}
     bad |= {"--max=nan": "is not finite", "--max=-1": "greater than 0, not -1", "--max=0": "greater than 0"}
     for option, word in bad.items():
         assert cli.main(["view", str(mesh), "--seam", str(tmp_path / "o.png"), option]) == 2

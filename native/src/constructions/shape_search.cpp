@@ -16,7 +16,7 @@ using Vector3 = Eigen::Vector3d;
 double to_lambda(double x) { return 1 / (1 + std::exp(-x)); }
 const double bound = std::log((1 - tolerance::slight) / tolerance::slight);
 
-constexpr int scan_nodes = count::octet + 1;  // in each direction, the middle one lambda = 1/2
+constexpr int scan_nodes = 9;  // in each direction, the middle one lambda = 1/2
 double scan_node(int k) { return share::nearly_all * bound * (2.0 * k / (scan_nodes - 1) - 1); }
 
 /// The energies at all combinations of nodes: from all inner products between terms there.

@@ -99,7 +99,7 @@ void CreaseCurve::choose(double unit) {
       const Eigen::ArrayXd pivots = values.array() + nugget;
       if (!(pivots.minCoeff() > 0)) continue;
       // Two directions across the curve, of which each sample says something.
-      constexpr double rounding = rounding_of_samples * rounding_of_samples * 2;
+      constexpr double rounding = 2 * rounding_of_samples * rounding_of_samples;
       const double squares = ((z.rowwise().squaredNorm().array() + rounding) / pivots).sum();
       const double variance = squares / (2 * count);
       const double likelihood = -count * std::log(variance) - pivots.log().sum();

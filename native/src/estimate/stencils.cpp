@@ -11,7 +11,7 @@ namespace {
 
 // Half and twice of these numbers were tried on 78 rims in meshes of balls, tori, saddles and fillets, of 1 to 16 edges a side, with noise
 // of 0 to 2% of an edge. Two percentages tell by how much planes err more in the mean: with half, with twice of it.
-constexpr int enough_points = fit_terms * 2 + 8;  ///< a stencil stops growing at this size: more than twice the terms; -6%, 0%
+constexpr int enough_points = 50;  ///< a stencil stops growing at this size: more than twice the terms; -6%, 0%
 /// Beyond the rim: with fewer, those that do not lie in front of the side are used too; 3%, -5%.
 constexpr int few_points = count::octet;
 /// Cosine: vertices turned further count for nothing (14%, and with twice of it none is left).

@@ -19,8 +19,9 @@
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
-#include "tripatch/mesh/vertex_normals.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
+#include "tripatch/report/dihedrals.h"
 #include "tripatch/spline/plane_fill.h"
 
 namespace tripatch {
@@ -340,20 +341,9 @@ constexpr std::array strategies = {
 
 /// The edges of the rim at which a fill meets the mesh at an angle.
 std::vector<std::array<Index, 2>> sharp_rim_edges(const FillContext& context, const Fill& fill) {
-  const Index n = context.mesh.vertices.rows();
-  const auto at = [&](Index v) -> Vec3 { return v < n ? Vec3(context.mesh.vertices.row(v)) : Vec3(fill.vertices.row(v - n)); };
   std::vector<std::array<Index, 2>> edges;
-  for (Index f = 0; f < fill.faces.size(); ++f) {
-    const std::span<const Index> face = fill.faces[f];
-    Vec3 area = Vec3::Zero();
-    for (std::size_t k = 2; k < face.size(); ++k) area += (at(face[k - 1]) - at(face[0])).cross(at(face[k]) - at(face[0]));
-    for (std::size_t k = 0; k < face.size(); ++k) {
-      const Index a = face[k], b = face[(k + 1) % face.size()];
-      const auto beyond = a < n && b < n ? context.left.edge(b, a) : std::nullopt;
-      if (beyond && angle_between(area, area_vector(context.mesh, context.left.face(*beyond))) > min_crease_angle)
-        edges.push_back({a, b});
-    }
-  }
+  for (const RimDihedral& each : rim_dihedrals(context.mesh, context.left, fill))
+    if (radians(each.degrees) > min_crease_angle) edges.push_back(each.edge);
   return edges;
 }
 

@@ -6,6 +6,7 @@
 #include "tripatch/fill/any_rim_fill.h"
 #include "tripatch/messages.h"
 #include "tripatch/output/shaped.h"
+#include "tripatch/report/dihedrals.h"
 #include "tripatch/report/folded_triangles.h"
 
 namespace tripatch {
@@ -22,8 +23,7 @@ std::vector<std::array<Index, 2>> folds_of(const FillContext& context, const Fil
 /// The vertices of the rim nearest to the folds, each once, as the folds are met.
 std::vector<Index> beside(const FillContext& context, const Fill& fill, const std::vector<std::array<Index, 2>>& folds) {
   const PointsRef& vertices = context.mesh.vertices;
-  const Index n = vertices.rows();
-  const auto at = [&](Index v) { return v < n ? Vec3(vertices.row(v)) : Vec3(fill.vertices.row(v - n)); };
+  const auto at = [&](Index v) { return place_of(context.mesh, fill, v); };
   std::vector<Index> out;
   for (const auto& [a, b] : folds) {
     const Index near = nearest_of(vertices, fill.rim, 0.5 * (at(a) + at(b)));

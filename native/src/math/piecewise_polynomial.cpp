@@ -460,7 +460,7 @@ bool PiecewisePolynomial::is_finite() const {
 }
 
 double arc_length(const PiecewisePolynomial& curve) {
-  constexpr int steps = count::places * 2;
+  constexpr int steps = 32;
   double length = 0;
   Vec3 last = curve(0);
   for (int k = 1; k <= steps; ++k) {

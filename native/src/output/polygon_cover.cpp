@@ -27,7 +27,7 @@ double middle_deviation(const PlaneLayout& layout, const Points& vertices, const
 
 /// Squares of a round rim's edges that a quad may cover on average where nobody says how many rows there are. Between quads as large as in a
 /// disc (0.9 of them) and in a half sphere without extra rows (1.7).
-constexpr double largest_quad = share::quarter + 1;
+constexpr double largest_quad = 1.25;
 
 double squares_a_quad(const PlaneLayout& layout, const Points& vertices) {
   double area = 0, length = 0;

@@ -13,6 +13,7 @@
 #include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/vertex_normals.h"
 #include "tripatch/messages.h"
+#include "tripatch/report/dihedrals.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/plane_patch.h"
 
@@ -258,7 +259,7 @@ TermPoints pull_of_terms(const Mesh& mesh, const Fill& fill, const Displacement&
     if (v >= n) return fill.uv.row(v - n);
     return fill.rim_uv.row(std::ranges::lower_bound(row_of_rim, std::pair(v, Index{0}))->second);
   };
-  const auto at = [&](Index v) -> Vec3 { return v < n ? Vec3(mesh.vertices.row(v)) : Vec3(fill.vertices.row(v - n)); };
+  const auto at = [&](Index v) { return place_of(mesh, fill, v); };
   TermPoints pull = TermPoints::Zero();
   for (Index f = 0; f < fill.faces.size(); ++f) {
     const std::span<const Index> face = fill.faces[f];

@@ -29,7 +29,6 @@ from .settings import BATCH_OPTIONS, FILL, LIST, Settings
 DONE, NOTHING, USAGE, SOME, STOPPED = 0, 1, 2, 3, 130
 _WORST = 12  # seams in the picture
 _NAMED = 20  # files that failed: the lines have each
-_FAILED = (record.UNREADABLE, *record.PASSING)
 _CUT = 500  # MB of a file: a mesh takes some twenty times as much where it is filled as a whole
 
 
@@ -248,7 +247,7 @@ def _summary(entries: Sequence[dict[str, Any]]) -> str:
     said: dict[str, Any] = {"holes": holes, "changed": sum(head["output"] is not None for head in heads), "files": len(heads)}
     counts = {name: sum(head[name] for head in heads) for name in ("refused", "folded")}
     said |= {name: count for name, count in counts.items() if count} | _of_unjoined(heads)
-    bad = [head["status"] for head in heads if head["status"] in _FAILED]
+    bad = [head["status"] for head in heads if head["status"] in record.FAILED]
     if bad:
         said |= {"failed": len(bad), "kinds": [f"{bad.count(kind)} {kind}" for kind in dict.fromkeys(sorted(bad))]}
     return Message("batch_done", said)
@@ -259,7 +258,7 @@ def _end(args: argparse.Namespace, entries: Sequence[dict[str, Any]], settings: 
     out = Path(settings.out)
     lines = journal.write_lines(out, entries)
     heads = [entry["lines"][0] for entry in entries]
-    failed = [head for head in heads if head["status"] in _FAILED]
+    failed = [head for head in heads if head["status"] in record.FAILED]
     for head in failed[:_NAMED]:
         _say(Message("batch_file_failed", {"file": head["input"], "reason": head["reason"]}))
     print(_summary(entries))

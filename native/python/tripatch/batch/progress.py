@@ -14,8 +14,6 @@ from . import record
 #: Seconds between two looks at a bar, and between two plain lines.
 _BAR, _LINES = 0.1, 30.0
 
-_BAD = (record.UNREADABLE, *record.PASSING)
-
 
 def duration(seconds: float) -> str:
     """'2 h 05 min', '3 min 20 s' or '12 s'."""
@@ -38,7 +36,7 @@ class Progress:
         self._done += len(entries)
         self._again += sum(bool(entry.get("again")) for entry in entries)
         self._holes += sum(entry["lines"][0]["filled"] for entry in entries)
-        self._failed += sum(entry["lines"][0]["status"] in _BAD for entry in entries)
+        self._failed += sum(entry["lines"][0]["status"] in record.FAILED for entry in entries)
         now = time.monotonic()
         if now - self._said >= (_BAR if self._terminal else _LINES):
             self._said = now

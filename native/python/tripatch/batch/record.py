@@ -23,6 +23,8 @@ FILLED, PARTLY, REFUSED, NOTHING = "filled", "partly", "refused", "nothing"
 UNREADABLE, NOT_WRITTEN, CRASHED, TIME_LIMIT, MEMORY_LIMIT = "unreadable", "not written", "crashed", "time limit", "memory limit"
 #: What may go otherwise the next time: the next run tries these again.
 PASSING = (NOT_WRITTEN, CRASHED, TIME_LIMIT, MEMORY_LIMIT)
+#: Files of which nothing was made.
+FAILED = (UNREADABLE, *PASSING)
 LISTED, LEFT = "listed", "left"
 
 #: Codes of rims that lie upon other borders: faces meet there without being joined.

@@ -74,7 +74,7 @@ class StlFile(MeshFile):
             if len(data) < 84 + 50 * count:
                 held = (len(data) - 84) // 50
                 raise FileError(Message("file_ends_early", {"format": "STL", "announced": count, "held": held}))
-            if len(data) - (84 + 50 * count) > 50 * count:  # more than some writers leave
+            if len(data) - (84 + 50 * count) > 50 * count:  # some writers leave bytes at the end, but not most of the file
                 raise damaged("STL")
             records = np.frombuffer(data, _STL_RECORD, count, 84)
             corners = records["corners"]

@@ -25,7 +25,7 @@ inline bool beyond_energies(double least, bool followed) { return least > (follo
 
 /// Where the energy on all nodes is above that on a few by more than this (and the surface is rich), the patch oscillates between the few.
 /// With it Franke's hole came to 9.3e-3 of the truth instead of 1.4e-2.
-constexpr double oscillating = share::quarter + 1;
+constexpr double oscillating = 1.25;
 inline bool oscillates(double on_all, double on_few, double rich) { return on_all > std::max(rich, oscillating * on_few); }
 
 struct Candidate {

@@ -1,5 +1,5 @@
-// The thresholds that many rooms share. What does not decide in detail, so that half as much again fills holes as well, takes its
-// value from here; what it means is said where it is used. A number of its own needs a measurement that shows what it decides.
+// Thresholds that many rooms share. A number is taken from here where one half as large again would do as well; what it means is said
+// where it is used. A number that has to be more exact has a value of its own, and a measurement that shows why.
 #pragma once
 
 #include <numbers>
