@@ -18,7 +18,7 @@ namespace {
 /// Degrees that ribs turn in one ring of faces at most, or a fillet would be a chamfer.
 constexpr double turn_of_ring = angle::corner;
 /// Rings of faces, at most: a bound against boundaries far apart whose edges are short.
-constexpr int max_rings_of_faces = count::quadratic;
+constexpr int max_rings_of_faces = 400;
 
 /// A closed boundary with t of its vertices, in its order.
 struct ReadBoundary {

@@ -20,7 +20,7 @@ namespace tripatch {
 namespace {
 
 /// Vertices beyond the first that a spline round a rim continues to: what its ends do has died away to rounding then.
-constexpr Index wrapped = count::dozens;
+constexpr Index wrapped = 28;
 /// Three corners are put in so many ways that every vertex is far from them in one, and in the same way each.
 constexpr Index max_placements = count::dozens;
 

@@ -10,7 +10,7 @@
 namespace tripatch {
 namespace {
 
-constexpr int match_samples = count::hundred;  ///< ribs that are compared: a choice
+constexpr int match_samples = 96;  ///< ribs that are compared: a choice
 /// The second parameter runs at least so fast against the first.
 constexpr double min_speed = share::little;
 

@@ -13,7 +13,7 @@ constexpr int motion_samples = count::many_places;  ///< places along a side: a 
 /// How much a motion out of the planes counts against one that leans along the side: leaning is what it is there to tell.
 constexpr double out_of_plane_counts = 30;
 /// A motion tells nothing where its direction leans from a right angle to the side by more than this cosine says, 70 degrees.
-constexpr double min_upright = share::three_tenths;
+constexpr double min_upright = 0.35;
 
 Motion motion_of(const Side& side) {
   Motion motion;
