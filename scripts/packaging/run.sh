@@ -16,8 +16,11 @@ windows_python() {
 }
 
 # windows_program PROGRAM ARGUMENT...: runs it. Without wine's debugger, which a program that crashes starts: with it comes a desktop that
-# keeps standard output open for ever.
-windows_program() { WINEDLLOVERRIDES=winedbg.exe=d WINEPREFIX=$BUILD/wine WINEDEBUG=-all wine "$@"; }
+# keeps standard output open for ever. Wine takes no file as standard output.
+windows_program() (
+  set -o pipefail
+  WINEDLLOVERRIDES=winedbg.exe=d WINEPREFIX=$BUILD/wine WINEDEBUG=-all wine "$@" </dev/null 2>&1 | cat
+)
 
 # windows ARGUMENT...: runs that Python.
 windows() { PYTHONDONTWRITEBYTECODE=1 PYTHONUTF8=${PYTHONUTF8:-0} windows_program "$WINDOWS/python.exe" "$@"; }
