@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The options that concern a patch, as properties that operators share, rows of a panel, and arguments."""
 
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 from bpy.props import BoolProperty, StringProperty
@@ -100,7 +101,8 @@ class Construction:
         """Of several fills: what none of them follows. left_out: names of options that cages were made without."""
         each = [report.not_applied for report in reports]
         common = set(each[0]).intersection(*each) if each else set()
-        codes = {name: each[0][name] for name in common} | dict.fromkeys(left_out, "cage")
+        codes = {name: Counter(codes[name] for codes in each).most_common(1)[0][0] for name in common}
+        codes |= dict.fromkeys(left_out, "cage")
         self.not_applied = " ".join(f"{name}:{codes[name]}" for name in sorted(codes))
 
     def why_rows(self, row, labels):

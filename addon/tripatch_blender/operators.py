@@ -162,7 +162,7 @@ class FillSmooth(FillPanel, waiting.Waiting):
         if refused:
             reasons = "; ".join([*told[:3], *["..."] * (len(told) > 3)])
             message += "; " + sentences.said("some_not_filled", count=len(refused), reasons=reasons)
-        notes = [of_filled(note) for outcome in filled for note in outcome.notes]
+        notes = list(dict.fromkeys(of_filled(note) for outcome in filled for note in outcome.notes))
         if notes:
             message += f". {'. '.join(notes[:2])}"
         alarms = refused or any(outcome.alarms() for outcome in filled)

@@ -84,6 +84,9 @@ class Shaping:
         self.seconds = 0.0  # that the last fill took
         self._middle: Any = None  # where its handle is without an offset: (point, normal)
         self._before = None
+        self._settled = copy.deepcopy(self.shape)
+        self._past: list[Shape] = []
+        self._future: list[Shape] = []
 
     def set_arguments(self, given):
         """Of tripatch.fill, in place of those that continue with what lies around."""
@@ -137,6 +140,7 @@ class Shaping:
             self.shape.corners = self._thirds()
         count = 1 if on else len(self.shape.corners)
         self.shape.bulges, self.shape.continuity = [1.0] * count, ["auto"] * count
+        self.settle()
 
     def _thirds(self):
         steps = np.linalg.norm(np.roll(self.points, -1, axis=0) - self.points, axis=1)
@@ -151,6 +155,7 @@ class Shaping:
             self.set_round(True)
             return
         self.shape = Shape(corners, [1.0] * len(corners), self.shape.middle, False)
+        self.settle()
 
     # Bulge and middle.
 
@@ -183,8 +188,30 @@ class Shaping:
 
     def end_drag(self):
         self._before = None
+        self.settle()
         if not self.is_shown:
             self.preview()
+
+    # Undo.
+
+    def settle(self):
+        """The shape as it is now is a step of undo, if it is another one."""
+        if self.shape != self._settled:
+            self._past.append(self._settled)
+            self._future.clear()
+            self._settled = copy.deepcopy(self.shape)
+
+    def step(self, forward):
+        """Takes the last change back, or makes it again. Whether there is one."""
+        self.settle()
+        come_from, go_to = (self._past, self._future) if forward else (self._future, self._past)
+        if not go_to:
+            return False
+        come_from.append(self._settled)
+        self._settled = go_to.pop()
+        self.shape = copy.deepcopy(self._settled)
+        self.preview()
+        return True
 
     # The fill.
 
@@ -223,6 +250,7 @@ class Shaping:
             self.preview()
             now = self.continuities()
             if self.refusal is None and k < len(now) and now[k] == wanted:
+                self.settle()
                 return True
         self.shape.continuity = before
         self.preview()
@@ -295,6 +323,10 @@ class Shaping:
         return self._middle[1:] if self._middle is not None else (self.points.mean(axis=0), np.array([0.0, 0.0, 1.0]))
 
     # The mesh.
+
+    def is_of(self, ob, rim):
+        """Whether this is what is being shaped already."""
+        return ob.name == self.name and {v.index for v in rim.loop} == set(self.rim)
 
     def is_current(self, bm):
         """Whether the mesh still has this rim, with its vertices where they were."""

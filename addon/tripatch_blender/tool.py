@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The tool of edit mode that shapes a hole by hand: what mouse and keys do. What is done stands in shaping.py."""
 
+import sys
 import textwrap
 from pathlib import Path
 
@@ -13,6 +14,8 @@ from .shaping_view import changed, current, edited, on_screen, problem, start, s
 
 # Characters of a problem that a header shows, and how wide its whole sentence is, in Blender's units.
 _BEGINNING, _WIDE = 48, 20
+#: The key of undo, with Z.
+_COMMAND = "oskey" if sys.platform == "darwin" else "ctrl"
 
 
 def arguments(settings):
@@ -100,6 +103,8 @@ class MESH_OT_shape_fill(_OfTool, bpy.types.Operator):
             bm.verts.index_update()
             bm.faces.index_update()
             rim = shaping.rims_at(bm, lambda v, ob=ob: on_screen(context, ob.matrix_world @ v.co), mouse)
+            if rim and current() and current().is_of(ob, rim):
+                return {"FINISHED"}
             if rim:
                 return self._start(context, lambda ob=ob, bm=bm, rim=rim: shaping.Shaping(ob, bm, rim, self._arguments(context)))
         return {"CANCELLED", "PASS_THROUGH"}
@@ -165,6 +170,20 @@ class MESH_OT_shape_fill_confirm(_OfShaping, waiting.Waiting, bpy.types.Operator
         return {"FINISHED"}
 
 
+class MESH_OT_shape_fill_step(_OfShaping, bpy.types.Operator):
+    bl_idname = "mesh.shape_fill_step"
+    bl_label, bl_description = library.titled("undo_shape")
+    bl_options = {"INTERNAL"}
+
+    forward: BoolProperty(**library.named("redo_shape"), options={"SKIP_SAVE"})
+
+    def execute(self, context):
+        if not current().step(self.forward):
+            return {"PASS_THROUGH"}  # the mesh's own step
+        changed()
+        return {"FINISHED"}
+
+
 class MESH_OT_shape_fill_cancel(_OfShaping, bpy.types.Operator):
     bl_idname = "mesh.shape_fill_cancel"
     bl_label, bl_description = library.titled("leave_the_hole")
@@ -210,6 +229,12 @@ class TRIPATCH_TOOL_shape(bpy.types.WorkSpaceTool):
         ("mesh.shape_fill_confirm", {"type": "RET", "value": "PRESS"}, None),
         ("mesh.shape_fill_confirm", {"type": "NUMPAD_ENTER", "value": "PRESS"}, None),
         ("mesh.shape_fill_cancel", {"type": "ESC", "value": "PRESS"}, None),
+        ("mesh.shape_fill_step", {"type": "Z", "value": "PRESS", _COMMAND: True}, None),
+        (
+            "mesh.shape_fill_step",
+            {"type": "Z", "value": "PRESS", "shift": True, _COMMAND: True},
+            {"properties": [("forward", True)]},
+        ),
     )
 
     def draw_settings(context, layout, _tool):  # noqa: N805  Blender calls it so
@@ -228,6 +253,7 @@ _classes = (
     TripatchTool,
     MESH_OT_shape_fill,
     MESH_OT_shape_fill_confirm,
+    MESH_OT_shape_fill_step,
     MESH_OT_shape_fill_cancel,
     *gizmos.classes,
     VIEW3D_PT_tripatch_problem,

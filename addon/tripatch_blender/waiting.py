@@ -82,6 +82,9 @@ class _Job:
         self._stopped = True
         self._thread.join()
 
+    def has_failed(self):
+        return self._error is not None
+
     def results(self):
         if self._error is not None:
             raise self._error
@@ -136,15 +139,15 @@ class Making:
         self._until = float("inf")
 
     def make(self, function, arguments, given, count):
-        call = function, arguments, given
-        if self._made and (made := self._made.get(_key(call))):
+        key = _key((function, arguments, given))
+        if made := self._made.get(key) or _before.get(key):
+            self._made[key] = made
             return made.results()
-        job = _Job(*call, count)
+        job = _Job(function, arguments, given, count)
         if not job.is_done(max(0.0, min(self._until - time.monotonic(), threading.TIMEOUT_MAX))):
             self._job = job
             raise TakesLong
-        if self._ahead:
-            self._made[_key(job.call)] = job
+        self._made[key] = job
         return job.results()
 
     def ahead(self, steps, refusals):
@@ -163,6 +166,9 @@ class Making:
         if self._job is not None:
             self._job.stop()
 
+    def made(self):
+        return {key: job for key, job in self._made.items() if not job.has_failed()}
+
     def sentence(self):
         """How far it is."""
         count, passed = self._job.count, int(time.monotonic() - self.began)
@@ -172,6 +178,8 @@ class Making:
 
 
 _making = None
+#: What the last run made: Blender runs an operator once more if a part of its panel is unfolded.
+_before: dict[bytes, _Job] = {}
 
 
 def make(function, *arguments, progress=None, count=1, **given):
@@ -202,13 +210,13 @@ def must_finish():
 
 @contextmanager
 def _in(making):
-    global _making
-    before, _making = _making, making
+    global _making, _before
+    outer, _making = _making, making
     making.begin()
     try:
         yield
     finally:
-        _making = before
+        _making, _before = outer, making.made()
 
 
 def _state(context):

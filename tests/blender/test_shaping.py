@@ -1,5 +1,6 @@
 """The tool that shapes a hole: what gizmos and keys call. That they call it is tried in a window (tests/gui)."""
 
+import copy
 import sys
 import types
 
@@ -113,6 +114,27 @@ def test_escape_brings_back_what_was_before_the_drag(shaping):
     made.cancel_drag()
     assert made.shape.corners == before and made.shape.bulges == [1, 1, 1] and made.shape.middle == 0
     assert (made.fill.vertices == vertices).all()
+
+
+def test_changes_are_taken_back_and_made_again(shaping):
+    _, _, made = lattice_hole(shaping)
+    made.preview()
+    assert not made.step(forward=False) and not made.step(forward=True)
+    shapes = [copy.deepcopy(made.shape)]
+    made.begin_drag()
+    made.drag_corner(0, (made.shape.corners[0] + 1) % 12)
+    made.end_drag()
+    shapes.append(copy.deepcopy(made.shape))
+    made.set_bulge(1, 2.5)  # an arrow that no timer has found at rest yet
+    shapes.append(copy.deepcopy(made.shape))
+    for shape in shapes[1::-1]:
+        assert made.step(forward=False) and made.shape == shape
+    assert not made.step(forward=False)
+    for shape in shapes[1:]:
+        assert made.step(forward=True) and made.shape == shape
+    assert made.step(forward=False)
+    made.set_round(True)
+    assert not made.step(forward=True), "another change ends what could be made again"
 
 
 def test_the_arrow_of_a_side_bulges_the_fill_at_that_side(shaping):

@@ -44,6 +44,7 @@ def waiting(addon, monkeypatch):
 
     monkeypatch.setattr(module, "PATIENCE", 0.0)
     monkeypatch.setattr(module, "_Job", Job)
+    monkeypatch.setattr(module, "_before", {})
     return module
 
 
@@ -209,6 +210,22 @@ def test_a_fill_through_a_point_is_waited_for_and_can_be_ended(waiting):
     new = {v for f in bm.faces if f.select for v in f.verts}
     assert len(scenes.border_loops(bm)) == 1
     assert min((v.co - point).length for v in new) < 1e-6
+
+
+def test_what_the_last_run_has_made_is_not_made_again(waiting):
+    """Blender undoes an operator and runs it again when a part of its panel is unfolded."""
+    making = waiting.Making()
+    for run_again, options in enumerate(({}, {"show_advanced": True}, {"resolution": 7})):
+        ob = scenes.add_hole()
+        (bm,) = scenes.edit(ob)
+        scenes.select_rim(bm, scenes.border_loops(bm)[0])
+        assert run(waiting, making, **options) == (run_again == 1)
+        if run_again == 0:
+            making._job.finish()
+            assert run(waiting, making, **options)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        making.stop()
+        making = waiting.Making()
 
 
 def test_a_fill_between_patches_is_waited_for_and_can_be_ended(waiting):
