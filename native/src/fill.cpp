@@ -49,6 +49,20 @@ void check_three(const FillOptions& options, const Corners& corners) {
   throw CodedRefusal(Code::method_takes_three, {{"method", options.method}, {"count", corners->size()}}, *corners);
 }
 
+/// A limit surface is continued between three sides only.
+Hole hole_of_limit(const FillContext& context, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
+  try {
+    return hole_of(context, rim, corners);
+  } catch (const CodedRefusal& refusal) {
+    const std::vector<Index>& seen = refusal.message().where;
+    const Code code = refusal.message().code;
+    if (code != Code::no_clear_corners && code != Code::too_many_corners && code != Code::not_three_corners) throw;
+    const bool none = code == Code::no_clear_corners;
+    const Message reason = none ? Message{Code::no_smooth_sides} : Message{Code::has_sides, {{"count", seen.size()}}};
+    throw CodedRefusal(Code::limit_needs_three_corners, {{"reason", reason}}, seen);
+  }
+}
+
 Fill fill_one_hole(const Mesh& mesh, const FillOptions& options);
 
 /// Of what vertices are moved in, and of cages, which are not.
@@ -66,7 +80,8 @@ Fill fill_as_asked(const FillContext& context, const std::optional<std::vector<I
     check_three(options, corners);
     if (of_mesh && (options.method == polygon_method || !options.through.empty()))
       if (std::optional<Fill> fill = fill_with_many_sides(context, rim, corners, options)) return std::move(*fill);
-    return fill_with_patch(context, triangle_input(context, hole_of(context, rim, corners), options), options);
+    const Hole hole = of_mesh ? hole_of(context, rim, corners) : hole_of_limit(context, rim, corners);
+    return fill_with_patch(context, triangle_input(context, hole, options), options);
   }
   const std::vector<Index> loop = rim                            ? *rim
                                   : corners && !corners->empty() ? loop_through(context, *corners)
@@ -207,8 +222,7 @@ void check_for_holes(const FillOptions& options) {
   if (options.fairing == Fairing::isometric && !options.through.empty())
     throw CodedArgument(Code::options_exclusive, {{"first", "fairing"}, {"second", "through"}});
   if (options.cap != Cap::automatic) check_met("cap", {automatic_method}, options.method == automatic_method, options);
-  if ((options.method == spline_method || options.method == rows_method || options.method == annulus_method) &&
-      options.output == Output::cage)
+  if ((options.method == spline_method || options.method == rows_method) && options.output == Output::cage)
     throw CodedArgument(Code::method_makes_no_cages, {{"method", options.method}});
 }
 
@@ -280,10 +294,14 @@ SidedRim cage_rim_for(const FillContext& context, const std::optional<std::vecto
 /// A hole of a mesh near the origin.
 Fill fill_as_it_is(const Mesh& mesh, const FillOptions& options) {
   FillContext context(mesh, options.rim, options);
-  if (options.output == Output::cage)
-    return std::move(
-        fill_with_cages(context, {cage_rim_for(context, options.rim, options.corners, options)}, to_be_moved(options))[0]);
-  const auto filled = [&] { return fill_by_method(context, options.rim, options.corners, options); };
+  FillOptions of_faces = options;
+  if (options.output == Output::cage) {
+    if (options.islands.empty())
+      return std::move(
+          fill_with_cages(context, {cage_rim_for(context, options.rim, options.corners, options)}, to_be_moved(options))[0]);
+    of_faces.output = Output::quads;  // between boundaries: control points on a surface through those of the mesh
+  }
+  const auto filled = [&] { return fill_by_method(context, options.rim, options.corners, of_faces); };
   Fill fill = filled();
   Fill* const only = &fill;
   keep_clear(context, options, {&only, 1}, [&](std::size_t) { return filled(); });
@@ -422,7 +440,8 @@ void complete_report(const Mesh& mesh, const FillOptions& options, Fill& fill) {
   const auto bulge = report.not_applied.find("bulge");
   const bool differs = std::ranges::any_of(options.bulge.values(), [](double each) { return each != 1; });
   if (options.bulge.values().size() > 1 && differs && bulge != report.not_applied.end() && bulge->second == "sides")
-    report.warnings.push_back({Code::options_need_smooth_sides, {{"options", std::vector<std::string>{"bulge"}}}});
+    report.warnings.push_back(
+        {Code::options_need_smooth_sides, {{"options", std::vector<std::string>{"bulge"}}, {"method", report.method}}});
 }
 
 /// For each rim what is wrong with the mesh there; else nothing.

@@ -252,7 +252,7 @@ Messages told_of_not_taken(const FillOptions& given, const std::string& used) {
     else
       told.push_back({Code::option_of_other_methods, {{"option", name}, {"methods", methods}}});
   }
-  if (!others.empty() && automatic) told.push_back({Code::options_need_smooth_sides, {{"options", others}}});
+  if (!others.empty() && automatic) told.push_back({Code::options_need_smooth_sides, {{"options", others}, {"method", used}}});
   if (!others.empty() && !automatic) told.push_back({Code::options_not_taken, {{"method", given.method}, {"options", others}}});
   if (automatic && used == polygon_method && given.cross_boundary != CrossBoundary::consistent)
     told.push_back({Code::option_needs_three_sides, {{"option", "cross_boundary"}}});

@@ -72,6 +72,16 @@ def test_two_selected_boundaries_are_joined_by_a_tangent_ring(addon, m, n):
     assert sum(len(v.link_edges) != 4 for v in ring) <= abs(m - n)
 
 
+@pytest.mark.parametrize(("m", "n"), [(32, 32), (32, 24)])
+def test_under_a_subdivision_modifier_a_cage_joins_them(addon, m, n):
+    ob = boss(m, n)
+    ob.modifiers.new("Subdivision", "SUBSURF")
+    bm, _, faces = fill(ob, at_fillet)
+    assert all(len(face.verts) == 4 for face in faces)
+    assert sum(e.is_boundary for e in bm.edges) == m + n
+    assert all(e.is_contiguous for e in bm.edges if not e.is_boundary)
+
+
 def test_the_ends_of_a_bent_pipe_are_joined(addon):
     """Around a bend of 50 degrees."""
 

@@ -103,7 +103,7 @@ def test_hidden_rims_are_named(refusal):
     assert "Reveal Hidden shows the others" in refusal(ob)
     bpy.ops.mesh.select_all(action="SELECT")
     bpy.ops.mesh.hide()
-    assert "All boundaries are hidden" in refusal(ob)
+    assert "Every boundary is hidden" in refusal(ob)
 
 
 @pytest.mark.parametrize("name", ["fill_smooth", "smooth_triangles", "shape_fill"])

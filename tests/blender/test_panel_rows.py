@@ -221,7 +221,7 @@ def ear():
 def test_a_cage_without_corners_is_not_shaped(addon, name, value):
     before, (plain, faces) = filled(addon, ear)
     active, said = rows(before)
-    assert active[name] is False and "only between smooth sides" in said
+    assert active[name] is False and "only in patches between" in said
     after, (points, other) = filled(addon, ear, **{name: value})
     assert faces == other and np.abs(plain - points).max() < 1e-12
     assert "Bulge, tension and center have no effect" in after.said[-1][1]

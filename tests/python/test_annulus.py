@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import tripatch
+from codes import says
 
 TURN = 2 * np.pi
 
@@ -127,6 +128,20 @@ def test_the_method_takes_two_boundaries_and_no_more():
     vertices, faces, hole, boss = boss_on_plate()
     with pytest.raises(tripatch.Refusal, match="joins two boundaries"):
         tripatch.fill(vertices, faces, rim=hole, method="annulus")
+
+
+@pytest.mark.parametrize("n", [32, 24])
+def test_a_cage_joins_two_boundaries(n):
+    """Its limit surface is a pipe as wide as that of the cage on both sides."""
+    vertices, faces, first, second = bent_pipe(40, 32, n)
+    options = {"rim": first, "islands": [second], "output": "cage"}
+    fill = tripatch.fill(vertices, faces, **options)
+    check_closed(vertices, faces, fill, 32 + n)
+    assert all(len(face) == 4 for face in fill.faces) and not fill.report.warnings and fill.report.rows == 0
+    assert np.abs(off_torus(fill.limit()[0])).max() < 0.03 * 0.5
+    more = tripatch.fill(vertices, faces, **options, resolution=2)
+    assert more.report.rows == 2 and len(more.faces) > len(fill.faces)
+    assert says(tripatch.fill(vertices, faces, **options, cage_rim="exact").report, "options_need_smooth_sides")
 
 
 @pytest.mark.parametrize("make", [boss_on_plate, lambda: bent_pipe(40)])

@@ -28,6 +28,11 @@ def polygon(count, edges=4):
     return np.vstack([a + (b - a) * steps for a, b in zip(corners, np.roll(corners, -1, 0), strict=True)])
 
 
+def jagged_line():
+    """Out and in at every other of 24 points."""
+    return polygon(24, 1) * np.where(np.arange(24) % 2, 1.0, 1.1)[:, None]
+
+
 def around(inner, height=0.2):
     """Rings of quads on a bowl round a closed line, whose points come first."""
     n, following = len(inner), (np.arange(len(inner)) + 1) % len(inner)
@@ -84,6 +89,9 @@ REFUSED = {
     "two corners": ((*around(polygon(2)), {"rim": range(16), "method": "side_vertex"}), "not_three_corners", True),
     "four corners": ((*around(polygon(4)), {"method": "side_vertex"}), "not_three_corners", True),
     "five corners": ((*around(polygon(5)), {"method": "side_vertex"}), "not_three_corners", True),
+    "no smooth sides": ((*around(jagged_line()), {"method": "multi_sided"}), "patch_needs_sides", True),
+    "limit of four corners": ((*around(polygon(4)), {"surroundings": "limit"}), "limit_needs_three_corners", True),
+    "limit of no corners": ((*around(polygon(24, 1)), {"surroundings": "limit"}), "limit_needs_three_corners", True),
     "round": ((*around(polygon(24, 1)), {"method": "side_vertex"}), "no_clear_corners", True),
     "a corner elsewhere": ((*around(polygon(24, 1)), {"corners": [0, 8, 30]}), "corner_not_on_rim", True),
     "two holes that touch": (

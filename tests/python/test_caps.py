@@ -50,6 +50,16 @@ def test_the_end_of_a_ball_stays_round_and_is_flat_where_that_is_asked_for():
     assert len(flat.feature_edges) == 32
 
 
+@pytest.mark.parametrize("corners", [None, [24, 30, 36, 42]])
+@pytest.mark.parametrize("continuity", ["auto", "G0"])
+def test_the_seam_of_a_flat_lid_is_the_angle_of_its_sharp_edges(corners, continuity):
+    vertices, faces = tube(24)
+    rim = next(rim for rim in tripatch.find_holes(faces) if min(rim) == 48)
+    corners = corners and [v + 24 for v in corners]
+    report = tripatch.fill(vertices, faces, rim=rim, corners=corners, continuity=continuity).report
+    assert set(report.continuity) == {"G0"} and report.seam_angle_max == pytest.approx(90, abs=0.1)
+
+
 def test_a_cap_that_is_asked_of_another_method_is_a_mistake():
     vertices, faces = tube(16)
     with pytest.raises(ValueError, match="cap"):

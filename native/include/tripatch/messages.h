@@ -65,6 +65,7 @@ enum class Code : std::uint16_t {
   method_takes_three_not_round,
   method_needs_three,
   method_needs_three_rim_shows_none,
+  patch_needs_sides,
   limit_needs_three_corners,
   no_surface_laid_out,
   no_rows_of_quads,

@@ -84,8 +84,9 @@ def filled(
     said: dict[str, Any] = {"count": len(reports)}
     if cage_rim:
         said["quads"] = quads
-        said["distance"] = length(max(report.cage_deviation_max for report in reports))
-        said["moved"] = length(max(report.surroundings_moved_max for report in reports))
+        if off := max(report.cage_deviation_max for report in reports):  # 0: none was fitted to a patch
+            said["distance"] = length(off)
+            said["moved"] = length(max(report.surroundings_moved_max for report in reports))
         if cage_rim == "exact":
             said["seam"] = degrees(seam_angle(reports))
         return Message("cages_filled", said)

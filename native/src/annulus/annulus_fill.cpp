@@ -48,12 +48,10 @@ int square_rings(const AnnulusPatch& made, double edge) {
   return static_cast<int>(std::clamp(std::max(by_length, by_turn), 1.0, static_cast<double>(max_rings_of_faces)));
 }
 
+/// Without extra rows of quads.
 int rings_of(const AnnulusPatch& made, double edge, bool uneven, const FillOptions& options) {
-  int rings = square_rings(made, edge);
-  const bool quads = options.output == Output::quads;
-  if (quads) rings = std::max(rings, uneven ? 2 : 1) + options.resolution.value_or(0);
-  if (!quads && options.resolution) rings = *options.resolution;
-  return std::min(rings, max_rings_of_faces);
+  if (options.output == Output::quads) return std::max(square_rings(made, edge), uneven ? 2 : 1);
+  return std::min(options.resolution.value_or(square_rings(made, edge)), max_rings_of_faces);
 }
 
 /// Triangles of faces that begin at their shorter diagonals.
@@ -118,7 +116,8 @@ Fill fill_with_annulus(const Mesh& mesh, const Connectivity& around, const std::
   fill.rim.insert(fill.rim.end(), island.begin(), island.end());
   fill.patch = made.patch;
   const bool quads = options.output == Output::quads, uneven = rim.size() + 1 < island.size() || island.size() + 1 < rim.size();
-  int rings = rings_of(made, (first.edge + second.edge) / 2, uneven, options);
+  const int least = rings_of(made, (first.edge + second.edge) / 2, uneven, options);
+  int rings = std::min(least + (quads ? options.resolution.value_or(0) : 0), max_rings_of_faces);
   AnnulusLayout layout;
   for (;; ++rings) {
     layout = annulus_layout(first.t, of_island, rings, quads);
@@ -135,7 +134,7 @@ Fill fill_with_annulus(const Mesh& mesh, const Connectivity& around, const std::
   fill.sides = {first.known.side, second.known.side};
   report_patch(made, fill.report);
   fill.report.surroundings_error = std::max(first.known.surroundings_error, second.known.surroundings_error);
-  fill.report.rows = rings;
+  fill.report.rows = rings - least;
   for (const Index pole : quads ? layout.poles : std::vector<Index>())
     fill.report.poles.push_back({mesh.vertices.rows() + pole - fill.rim_uv.rows(),
                                  std::count(layout.faces.corners.begin(), layout.faces.corners.end(), pole)});

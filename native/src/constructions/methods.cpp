@@ -174,7 +174,7 @@ const std::vector<Method> all = {
      {},
      {},
      {0, 0},
-     with(of_sides, {"through"})},
+     with(of_sides, {"through", "cage_rim"})},
     {rows_method,
      "Rows of quads that continue across the hole, with least mixed differences",
      "Birkhoff and Gordon 1968",

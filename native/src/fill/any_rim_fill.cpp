@@ -118,9 +118,9 @@ Fill fill_any_rim(const FillContext& context, const std::vector<Index>& rim, con
   std::vector<std::vector<Index>> islands;
   for (const std::vector<Index>& island : options.islands) islands.push_back(ordered(island));
   SplineFillOptions own = {options.resolution, options.output == Output::quads, options.features, nullptr, options.through};
-  std::optional<Connectivity> nothing;
+  const Connectivity nothing = without_faces(context.mesh);
   if (meets_position_only(options)) {
-    own.continued = &nothing.emplace(without_faces(context.mesh));
+    own.continued = &nothing;
     own.features = false;
   }
   // A neighborhood that was enough for three sides is not for this: rings are taken as far as half the hole's diameter.
@@ -143,7 +143,6 @@ Fill fill_any_rim(const FillContext& context, const std::vector<Index>& rim, con
   Fill fill = looks_for_sharp ? fill_beside_sharp_sides(context, around, loop, at, own)
                               : fill_with_spline(context.mesh, around, loop, islands, own);
   if (options.method == spline_method && !fill.patch && loop.size() > 3) throw CodedRefusal(Code::no_surface_laid_out, loop);
-  if (nothing) std::ranges::fill(fill.report.continuity, SeamContinuity::g0);
   fill.report.warnings.insert(fill.report.warnings.begin(), warnings.begin(), warnings.end());
   fill.report.corners = std::move(at);
   return fill;

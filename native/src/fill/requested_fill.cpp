@@ -96,7 +96,11 @@ std::optional<Fill> fill_with_many_sides(const FillContext& context, const std::
   if (!corners) {
     given = at_places(loop, corners_of_fill(context.mesh, context.left, loop));
     const bool other = given.size() != 3 && options.method == patch_method;
-    if (other || (given.size() == 3 && !inner) || (given.empty() && !is_round(context.mesh, context.left, loop))) return {};
+    if (other || (given.size() == 3 && !inner)) return {};
+    if (given.empty() && !is_round(context.mesh, context.left, loop)) {
+      if (options.method == polygon_method) throw CodedRefusal(Code::patch_needs_sides, {{"method", polygon_method}}, loop);
+      return {};
+    }
   }
   check_counts(options, std::max<std::size_t>(given.size(), 1));
   Fill fill;

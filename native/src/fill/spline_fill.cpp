@@ -234,6 +234,18 @@ bool leaves_surroundings(const std::optional<Message>& plainer) {
   return plainer && (plainer->code == Code::least_bending || plainer->code == Code::rim_alone_followed);
 }
 
+/// follows: the surroundings are samples of the surface; creased: creases meet sharply.
+void state_seam(const Mesh& mesh, const Connectivity& around, const SplineFillOptions& options, bool follows, bool creased,
+                Fill& fill) {
+  Report& report = fill.report;
+  const auto is_continued = [&](Index v) { return !options.continued || !options.continued->at(v).empty(); };
+  const bool alone = options.planes.rows() == 0 && std::ranges::none_of(fill.rim, is_continued);
+  report.continuity = std::vector(follows ? 1 : 0, alone ? SeamContinuity::g0 : SeamContinuity::g1);
+  if (alone || (!follows && !creased)) measure_dihedrals(mesh, around, fill);
+  report.seam_angle_max_by_side = std::vector(follows ? 1 : 0, report.seam_angle_max);
+  report.seam_angle_rms_by_side = std::vector(follows ? 1 : 0, report.seam_angle_rms);
+}
+
 /// The fill of a part of a mesh. loops: of its border, the rim first.
 Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
                   const SplineFillOptions& options) {
@@ -300,9 +312,7 @@ Fill fill_in_part(const Mesh& mesh, const Connectivity& around, const std::vecto
   Report& report = fill.report;
   report.method = spline_method;
   const bool follows = made.surface && !leaves_surroundings(made.plainer);  // the surroundings are samples of the surface
-  report.seam_angle_max_by_side = report.seam_angle_rms_by_side = std::vector(follows ? 1 : 0, 0.0);
-  report.continuity = std::vector(follows ? 1 : 0, SeamContinuity::g1);
-  if (!follows && !creased) measure_dihedrals(mesh, around, fill);  // creases meet sharply
+  state_seam(mesh, around, options, follows, creased.has_value(), fill);
   report.surroundings_error = made.surroundings_error;
   report.rim_folded = made.rim_folds;
   measure_faces(mesh, fill.vertices, fill.faces, faces_beyond(mesh, around, loops), report);
