@@ -16,7 +16,7 @@ from tripatch import arguments, borders, files, filling, messages, view, words
 from tripatch.batch import command as batch
 from tripatch.batch import creases
 from tripatch.batch.record import SCHEMA, plain
-from tripatch.errors import because
+from tripatch.errors import WrongValue, because
 from tripatch.files import evidence
 from tripatch.options import checked
 
@@ -146,9 +146,9 @@ def _options(args: argparse.Namespace) -> dict[str, Any]:
         if args.all and name == "corners" and len(options[name]) == 0:
             continue  # all of them are round
         if args.all and "fill_all" not in OPTIONS[name].functions:
-            raise ValueError(tripatch.Message("options_exclusive", {"first": "--all", "second": name}))
+            raise WrongValue(tripatch.Message("options_exclusive", {"first": "--all", "second": name}))
         if not args.all and "fill" not in OPTIONS[name].functions:
-            raise ValueError(tripatch.Message("option_needs", {"option": name, "needed": "--all"}))
+            raise WrongValue(tripatch.Message("option_needs", {"option": name, "needed": "--all"}))
     checked("fill_all" if args.all else "fill", {name: given for name, given in options.items() if name != "corners"})
     return options
 
@@ -198,10 +198,10 @@ def _copied(args: argparse.Namespace, out: files.MeshFile, left: Sequence[Any], 
 def _check_files(args: argparse.Namespace) -> None:
     """Whether files are named that can be read and written, before the work is done."""
     if args.input.is_dir():
-        raise ValueError(tripatch.Message("folder_given", {"path": str(args.input)}))
+        raise WrongValue(tripatch.Message("folder_given", {"path": str(args.input)}))
     args.out = arguments.out_of(args)
     if args.report and os.path.realpath(args.report) in map(os.path.realpath, (args.input, args.out)):
-        raise ValueError(tripatch.Message("would_overwrite", {"path": str(args.report), "option": "--report"}))
+        raise WrongValue(tripatch.Message("would_overwrite", {"path": str(args.report), "option": "--report"}))
     files.check_output(args.out)
     if args.report:
         files.check_folder(args.report)

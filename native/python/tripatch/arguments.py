@@ -12,7 +12,7 @@ from typing import Any
 from . import messages
 from ._arrays import MAX_SIDES
 from ._native import Option
-from .errors import meant, not_one_of
+from .errors import WrongValue, meant, not_one_of
 from .messages import Message
 from .options import OPTIONS, described, groups
 from .options import names as names_of
@@ -244,10 +244,10 @@ def out_of(args: argparse.Namespace) -> Path:
         ValueError: none is named, or two are.
     """
     if args.out is not None and args.out_by_name is not None:
-        raise ValueError(Message("files_left_over", {"words": str(args.out), "usage": messages.label(f"command_{args.command}")}))
+        raise WrongValue(Message("files_left_over", {"words": str(args.out), "usage": messages.label(f"command_{args.command}")}))
     found: Path | None = args.out if args.out_by_name is None else args.out_by_name
     if found is None:
-        raise ValueError(Message("output_unnamed", {"usage": messages.label(f"command_{args.command}")}))
+        raise WrongValue(Message("output_unnamed", {"usage": messages.label(f"command_{args.command}")}))
     return found
 
 

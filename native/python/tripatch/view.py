@@ -12,7 +12,7 @@ import numpy as np
 from . import _arrays, arguments, files, quality
 from ._types import Array, ArrayLike
 from .canvas import Canvas, png
-from .errors import out_of_range, wrong_shape
+from .errors import WrongValue, out_of_range, wrong_shape
 from .files.writing import unwritable
 from .messages import Message
 
@@ -55,7 +55,7 @@ def _colors(kind: str, vertices: Array, triangles: Array, edges: Array, settings
     at, known = np.zeros(len(vertices)), np.isfinite(angles)
     np.maximum.at(at, found[known].ravel(), np.repeat(angles[known], 2))
     if len(edges) and not known.any():
-        raise ValueError(Message("no_such_seam"))
+        raise WrongValue(Message("no_such_seam"))
     largest = float(angles[known].max(initial=0.0))
     most = settings.get("most") or (1.0 if len(edges) else max(largest, 1e-9))
     told = Message("seam_shown" if len(edges) else "edges_shown", {"angle": f"{largest:.3g}°", "most": f"{most:.3g}°"})
@@ -94,7 +94,7 @@ def picture(
     vertices = np.asarray(vertices, dtype=np.float64)
     triangles, of_face = quality.triangulated(faces, vertices)
     if not len(triangles):
-        raise ValueError(Message("nothing_given", {"name": "faces"}))
+        raise WrongValue(Message("nothing_given", {"name": "faces"}))
     edges = np.array([pair for rim in rims for pair in zip(rim, [*rim[1:], rim[0]])], dtype=np.int64).reshape(-1, 2)
     if len(edges) and not (0 <= edges.min() and edges.max() < len(vertices)):
         lowest, highest = int(edges.min()), int(edges.max())
@@ -166,22 +166,22 @@ def run(args: argparse.Namespace) -> int:
     """Draws what the command line asks for; returns the exit status."""
     args.out = arguments.out_of(args)
     if args.out.suffix.lower() != ".png":
-        raise ValueError(Message("wrong_suffix", {"path": str(args.out), "suffix": ".png"}))
+        raise WrongValue(Message("wrong_suffix", {"path": str(args.out), "suffix": ".png"}))
     mesh = files.read_faces(args.input)
     if min(args.size) < 1:
         raise out_of_range("--size", min(args.size), 1)
     for name, values in (("--from", args.toward), ("--direction", args.direction), ("--lines", [args.lines])):
         if not np.isfinite(values).all():
-            raise ValueError(Message("not_finite", {"name": name}))
+            raise WrongValue(Message("not_finite", {"name": name}))
         if len(values) == 3 and not any(values):
-            raise ValueError(Message("zero_vector", {"name": name}))
+            raise WrongValue(Message("zero_vector", {"name": name}))
     if args.lines <= 0:
         raise out_of_range("--lines", args.lines, 0, is_open=True)
     if args.max is not None and not 0 < args.max < np.inf:
         raise out_of_range("--max", args.max, 0, is_open=True)
     deviation = mesh.deviation if args.kind == "deviation" else None
     if args.kind == "deviation" and deviation is None:
-        raise ValueError(Message("no_estimates_in_file", {"path": str(args.input)}))
+        raise WrongValue(Message("no_estimates_in_file", {"path": str(args.input)}))
     image, told = picture(
         mesh.vertices,
         mesh.faces,
