@@ -15,7 +15,6 @@ import multiprocessing
 import os
 import resource
 import shlex
-import signal
 import subprocess
 import tempfile
 import time
@@ -35,6 +34,7 @@ from .holes import RINGS, Hole
 
 REPETITIONS, LONG = 3, 0.1  # of which only one if it takes so many seconds
 PATIENCE, STUCK = 60, 1200  # seconds that a rival may take for a hole: of CPU, which other work does not lengthen; of the clock
+LOOK = 0.5  # seconds after which that is looked at
 GIVEN_TRIANGLES = ("libigl", "OpenCASCADE")  # of TriPatch, and place their vertices
 SAME = 1e-5  # of the hole: vertices as near as this are the same, also if they were written in single precision
 
@@ -91,9 +91,33 @@ def timed(call, prepared=lambda: None):
     return result, least
 
 
-def be_patient() -> None:
-    """Limits the CPU time of this process."""
-    resource.setrlimit(resource.RLIMIT_CPU, (PATIENCE, PATIENCE))
+def check_patience(pid: int, began: float) -> None:
+    """Raises where a process has used too much time. A limit set by `resource` would make its CPU clock tick in milliseconds."""
+    user, system = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11:13]
+    if int(user) + int(system) > PATIENCE * os.sysconf("SC_CLK_TCK"):
+        raise RuntimeError(f"more than {PATIENCE} s of CPU")
+    if time.monotonic() - began > STUCK:
+        raise RuntimeError(f"no answer within {STUCK} s")
+
+
+def output_of(words: list) -> str:
+    """What a program prints that ends in time and without an error."""
+    began = time.monotonic()
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while True:
+        try:
+            printed, errors = process.communicate(timeout=LOOK)
+            break
+        except subprocess.TimeoutExpired:
+            try:
+                check_patience(process.pid, began)
+            except RuntimeError:
+                process.kill()
+                process.communicate()
+                raise
+    if process.returncode:
+        raise RuntimeError(errors.strip()[-100:] or f"ended with {process.returncode}")
+    return printed
 
 
 def apart(call):
@@ -102,7 +126,6 @@ def apart(call):
     answer, question = processes.Pipe(duplex=False)
 
     def run():
-        be_patient()
         for stream in (1, 2):
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream)
         try:
@@ -113,14 +136,13 @@ def apart(call):
     process = processes.Process(target=run)
     process.start()
     question.close()
+    began = time.monotonic()
     try:
-        if not answer.poll(STUCK):
-            raise RuntimeError(f"no answer within {STUCK} s")
+        while not answer.poll(LOOK):
+            check_patience(process.pid, began)
         result = answer.recv()
     except EOFError:
-        process.join()
-        late = process.exitcode in (-signal.SIGXCPU, -signal.SIGKILL)
-        raise RuntimeError(f"more than {PATIENCE} s of CPU" if late else "crashed") from None
+        raise RuntimeError("crashed") from None
     finally:
         process.kill()
         process.join()
@@ -162,9 +184,7 @@ def program(path: str, option: int) -> Callable:
                 np.savetxt(file, hole.faces, fmt="%d")
                 print(*hole.rim[:2], file=file)
             command = [path, given, str(option), str(REPETITIONS), made]
-            words = subprocess.run(
-                command, check=True, capture_output=True, text=True, timeout=STUCK, preexec_fn=be_patient
-            ).stdout.split()
+            words = output_of(command).split()
             with made.open() as file:
                 count, triangles = map(int, file.readline().split())
                 vertices = np.loadtxt(file, max_rows=count)
@@ -184,11 +204,7 @@ def command(words: str) -> Callable:
             lines += [f"f {a} {b} {c}" for a, b, c in (hole.faces + 1).tolist()]
             given.write_text("\n".join(lines) + "\n")
             before = resource.getrusage(resource.RUSAGE_CHILDREN)
-            ended = subprocess.run(
-                [*shlex.split(words), given, made], capture_output=True, text=True, timeout=STUCK, preexec_fn=be_patient
-            )
-            if ended.returncode:
-                raise RuntimeError(ended.stderr.strip()[-100:] or f"ended with {ended.returncode}")
+            output_of([*shlex.split(words), given, made])
             after = resource.getrusage(resource.RUSAGE_CHILDREN)
             mesh = files.read(made)
         faces = [(f[0], f[k], f[k + 1]) for f in mesh.faces for k in range(1, len(f) - 1)]

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -53,6 +54,20 @@ def test_seam_is_measured_where_a_fill_meets_the_rim():
     hole = frame()
     hole.normals = np.tile([0.0, 0, 1], (len(FRAME), 1))
     assert metrics.seam(hole, pyramid(0.0), FAN[:2]) == pytest.approx([0, 0, 0], abs=1e-6)  # vertex 3 is left out
+
+
+def test_the_cpu_clock_of_a_process_apart_knows_less_than_a_millisecond():
+    """As it does where a limit is set for it: fills of 0.05 ms took 0."""
+
+    def shorts():
+        taken = []
+        for _ in range(200):
+            start = time.process_time()
+            sum(range(2000))
+            taken.append(time.process_time() - start)
+        return np.median(taken)
+
+    assert rivals.apart(shorts) > 0
 
 
 def test_fold_is_counted_at_its_edge():
