@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 import scenes
 
+NOT_KNOWN = "No deviation is known of this mesh; fill with Advanced > Deviation"
+
 
 @pytest.fixture
 def overlay(addon):
@@ -119,11 +121,11 @@ def test_a_mirrored_object_bulges_as_the_one_it_mirrors(overlay, shown):
 
 def test_deviation_is_the_attribute_of_that_name(overlay, shown):
     ob = scenes.add_hole()
-    assert "No deviation is known of this mesh; fill with Advanced > Deviation" in seen(shown, ob, surface="DEVIATION").told
+    assert NOT_KNOWN in seen(shown, ob, surface="DEVIATION").told
     values = np.linspace(0, 0.25, len(ob.data.vertices)).astype(np.float32)
     ob.data.attributes.new("deviation", "FLOAT", "POINT")
     ob.data.update()
-    assert "No deviation is known of this mesh; fill with Advanced > Deviation" in seen(shown, ob, surface="DEVIATION").told, "nothing was written into it"
+    assert NOT_KNOWN in seen(shown, ob, surface="DEVIATION").told, "nothing was written into it"
     attribute = ob.data.attributes["deviation"]
     attribute.data.foreach_set("value", values)
     ob.data.update()
