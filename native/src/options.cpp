@@ -202,7 +202,7 @@ std::vector<std::string> not_taken(const Method& method, const FillOptions& give
 namespace {
 
 /// Of methods: an option that no more than so many read is said to be theirs. A choice.
-constexpr std::size_t few = 2;
+constexpr std::size_t few = count::pair;
 
 /// The methods that an option is said to be of; of an option of many methods, or all, none.
 std::vector<std::string> owners(const std::string& name) {

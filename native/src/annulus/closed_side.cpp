@@ -118,10 +118,10 @@ constexpr double lean_counts = 0.37;
 
 /// Where a plane is off a few waves around the boundary by so many times the median, one of the fits that it comes from has failed: on bent
 /// pipes of 24 edges single planes are off by 2.5 degrees, the others by 0.1.
-constexpr double planes_off = 6;
+constexpr double planes_off = factor::huge;
 /// So few waves that two planes next to each other that are off do not bend them; and rounds after which nothing changes by a tenth: choices.
 constexpr Index vertices_a_plane_wave = count::half_dozen;
-constexpr int robust_rounds = 10;
+constexpr int robust_rounds = count::dozen;
 
 }  // namespace
 

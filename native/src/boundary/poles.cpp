@@ -13,7 +13,7 @@ namespace {
 /// and of the normals that they give there those within 1e-4 were off by more than 0.1 degrees.
 constexpr double beside_pole = 1.0 / 256;
 /// Degrees by which planes turn in that piece, and how many times as much as in the one before, where it is a pole: less is a bend.
-constexpr double turned_at_pole = 2, jump_at_pole = factor::huge;
+constexpr double turned_at_pole = angle::flat, jump_at_pole = factor::huge;
 
 /// The field with the piece next to its start continued from what follows, by the parabola through three places.
 PiecewisePolynomial continued_to_start(const PiecewisePolynomial& f) {

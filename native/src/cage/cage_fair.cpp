@@ -17,7 +17,7 @@ namespace {
 
 /// Squared weight, over the hole's size squared, that keeps what shall not move where it is; that of the energies is about 1 (0 with
 /// 1e8).
-constexpr double pinned = 1e10;
+constexpr double pinned_over = tolerance::solved;
 /// Rounds in which the weights of the logarithms, one over their values where the step leads, settle; 6e-4 with two, 4e-4 with six.
 constexpr int weight_rounds = count::few;
 
@@ -138,7 +138,7 @@ Points fair_cage(CageSystem& system, const Points& start, std::vector<FairHole>&
   CageSystem::Term pins = system.zero();
   for (int slot : fixed) {
     const Sums vertex = {{slot}, Weights::Ones(1, 1), Points::Zero(1, 3)};
-    system.add(pins, vertex, 0, Eigen::Matrix3d::Identity() * (pinned / (holes[0].size * holes[0].size)), Vec3::Zero());
+    system.add(pins, vertex, 0, Eigen::Matrix3d::Identity() / (pinned_over * holes[0].size * holes[0].size), Vec3::Zero());
   }
   CageSystem::Term sum = pins;
   for (std::size_t h = 0; h < count; ++h) {

@@ -21,7 +21,7 @@ constexpr int lowest_curve_order = 2, highest_curve_order = 5;
 constexpr double min_curve_nugget = -13, max_curve_nugget = 3, curve_nugget_step = 0.5;
 /// Of a unit, an edge: so much rounding may have moved each sample, a million sizes from the origin too. Of a straight crease nothing else
 /// is left across it, and neither order nor nugget is to be chosen by that.
-constexpr double rounding_of_samples = 1e-8;
+constexpr double rounding_of_samples = tolerance::solved;
 /// The length of the gap is that of the curve in it, which is not known before it: each round leaves a twentieth of the error over
 /// such an arc, four 1e-5 of the length, as much as the pieces do.
 constexpr int gap_rounds = count::several;
@@ -99,7 +99,7 @@ void CreaseCurve::choose(double unit) {
       const Eigen::ArrayXd pivots = values.array() + nugget;
       if (!(pivots.minCoeff() > 0)) continue;
       // Two directions across the curve, of which each sample says something.
-      constexpr double rounding = 2 * rounding_of_samples * rounding_of_samples;
+      constexpr double rounding = rounding_of_samples * rounding_of_samples * 2;
       const double squares = ((z.rowwise().squaredNorm().array() + rounding) / pivots).sum();
       const double variance = squares / (2 * count);
       const double likelihood = -count * std::log(variance) - pivots.log().sum();

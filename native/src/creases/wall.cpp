@@ -20,9 +20,9 @@ constexpr double rough_share = noise::rough;
 /// Between a wall's mean plane and its faces: heights over the plane tell nothing of steeper ones.
 constexpr double steepest = radians(angle::steep);
 /// The nearest to the rim: farther ones change no fill of 168 holes by more than 1%, and the time grows with their square.
-constexpr Index max_wall_samples = 400;
+constexpr Index max_wall_samples = count::hundreds;
 /// Of the hole's diameter: at that distance from the rim faces count a third in the mean plane.
-constexpr double near_share = 0.33;
+constexpr double near_share = share::third;
 
 }  // namespace
 

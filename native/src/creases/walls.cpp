@@ -32,7 +32,7 @@ constexpr double under_rim = 150 * std::numbers::pi / 180;
 constexpr double in_one_wall = radians(angle::flat);
 /// Radians over half of the hole's diameter: walls that bend by less away from the rim are straight. The end of a spring whose wire is a fifth as
 /// thick as its coil bends by 0.17 there, a ball cut in half by 1.
-constexpr double min_bend = 0.1;
+constexpr double min_bend = share::tenth;
 /// Planes next to a rim, as a prism has them whose walls meet at min_crease_angle; and planes that may be those of walls without faces.
 constexpr std::size_t max_planes = count::places, max_unseen = count::octet;
 /// Walls that seem to have lost nothing, where nothing else meets: of one a sliver may be left, two are the solid's shape.

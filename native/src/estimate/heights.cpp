@@ -32,7 +32,7 @@ struct Register {
 using Four = Register<4>::Of;
 using Eight = Register<8>::Of;
 
-constexpr int highest = 2 * fit_degree;
+constexpr int highest = fit_degree * 2;
 /// Sums of products of two monomials, then from a multiple of four on those of monomials and heights, and some that are nothing.
 constexpr int of_heights = (place_of(highest + 1, 0) + 3) / 4 * 4, all_sums = of_heights + 24;
 /// Of a point: the powers of x from 1 on, and those of y times the weight and times the weighted height.

@@ -23,7 +23,7 @@ constexpr double sharp_bend = 8 * std::numbers::pi / 180;
 constexpr double over_others = factor::clear;
 /// Cosine of the angle to it up to which an edge runs its way, 45 degrees. Of 78 rims half and
 /// twice of it change one, by less than 0.1%.
-constexpr double its_way = 0.7;
+constexpr double its_way = share::most;
 
 /// Origin and scale, from the rim.
 void measure_rim(const Mesh& mesh, const std::vector<Index>& rim, LocalMesh& w) {

@@ -21,10 +21,10 @@ constexpr int cylinder_unknowns = 5, min_beyond = count::few;
 
 /// Edges that the faces are deep: vertices on two circles are on a cylinder and on any surface of revolution through these. Meshes follow their
 /// surfaces, so that long faces bend little along them; squares next to a torus, of 1.6, hide 3 degrees.
-constexpr double deep_faces = 5;
+constexpr double deep_faces = factor::large;
 /// Where they are not so deep the cylinder has to end behind them. A sine and a cosine of angles to the way across: of edges
 /// that continue a ruling.
-constexpr double off_way = share::tenth, ahead = 0.7;
+constexpr double off_way = share::tenth, ahead = share::most;
 /// Of what a strip would turn if it bent as what lies behind it: the turn there is within this of what ends a straight one. Circles of even
 /// edges are to rounding, and strips that bend are off by all of it.
 constexpr double clear_end = share::quarter;

@@ -59,7 +59,7 @@ TRIPATCH_PACKED_INLINE Pack with_sign(const Pack& length, const Pack& of) { retu
 /// Of four points.
 TRIPATCH_PACKED_INLINE void gather(const Derivatives* d, Pack (&given)[9][3]) {
   const double* const p = d->data();
-  constexpr Index size = 27;
+  constexpr Index size = Derivatives::SizeAtCompileTime;
   for (int k = 0; k < 9; ++k)
     for (int x = 0; x < 3; ++x) {
       const double* const from = p + 3 * k + x;

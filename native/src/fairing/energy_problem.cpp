@@ -113,7 +113,7 @@ std::pair<double, double> EnergyProblem::variation(const std::vector<Derivatives
 
 std::array<Quadratic, 2> EnergyProblem::linearized(const std::vector<Derivatives>& d, const std::array<bool, 2>& wanted) const {
   // in blocks of nodes, always the same, so that sums do not depend on the number of cores
-  constexpr Index block = 96;
+  constexpr Index block = count::hundred;
   const Index n = static_cast<Index>(base_.size()), blocks = (n + block - 1) / block;
   std::vector<std::array<RowMajor, 2>> parts(blocks);
   parallel_for(0, blocks, 1, [&](Index from, Index to) {

@@ -5,13 +5,14 @@
 #include <memory>
 #include <mutex>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/patch/point_formula.h"
 #include "tripatch/patch/tangent_planes.h"
 
 namespace tripatch {
 namespace {
 
-constexpr double one_third = 1.0 / 3;
+constexpr double one_third = share::third;
 
 /// From Bernstein coefficients to those of (b0 - 1/3)^i (b1 - 1/3)^j, highest i first and of each highest j first.
 Points about_middle(const Points& net, int degree) {

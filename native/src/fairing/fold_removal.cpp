@@ -16,9 +16,10 @@ namespace {
 constexpr int degree = count::degree;  // of the interior term
 constexpr Index rows = fold_grid_rows;
 constexpr double facing = share::trace;  // cosine, least wanted, to the rim's normals: a little more than FoldCounter asks
-constexpr double neighbors = 0.55;       // cosine, least wanted, between neighbors' normals: FoldCounter asks for 0.5
-constexpr double far = share::quarter;   // times the size: where that is not enough, nothing is
-constexpr int rounds = count::places;    // at most, of a penalty that grows threefold
+constexpr double neighbors =
+    share::half + share::little;        // cosine, least wanted, between neighbors' normals: FoldCounter asks for 0.5
+constexpr double far = share::quarter;  // times the size: where that is not enough, nothing is
+constexpr int rounds = count::places;   // at most, of a penalty that grows threefold
 constexpr double first_penalty = factor::huge, growth = factor::strong;
 
 /// The points of the grid inside the triangle, what normals are wanted there, and what the functions do to them.

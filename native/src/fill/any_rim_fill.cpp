@@ -32,7 +32,7 @@ namespace {
 /// A fill that continues its surroundings is at least this much larger than one that meets all of them at an angle. A cap of a
 /// sphere is, compared with its disc, where both meet at 25 degrees, and from there on an edge tells faces apart. Of balls and
 /// cylinders cut through bevels it was 0.8 to 1.04 times as large, and 3 to 9 times nearer.
-constexpr double larger_at_angle = 1.05;
+constexpr double larger_at_angle = share::little + 1;
 
 /// Of the new faces, scene units squared.
 double area(const Mesh& mesh, const Fill& fill) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/patch/moved_surface.h"
 #include "tripatch/polygon/round.h"
 #include "tripatch/polygon/surface.h"
@@ -11,9 +12,9 @@
 namespace tripatch {
 namespace {
 
-/// Sizes of what is filled that it lies away from the origin, from which on coordinates have lost more than they can spare: second
-/// differences of a rim of a hundred edges lose four digits more.
-constexpr double far_away = 1e3;
+/// Size of what is filled over its distance from the origin. Of less, coordinates have lost more than they can spare: second differences
+/// of a rim of a hundred edges lose four digits more.
+constexpr double least_size = tolerance::slight;
 
 /// A patch of the same kind elsewhere.
 SurfacePtr brought(const SurfacePtr& patch, const Vec3& by) {
@@ -45,7 +46,7 @@ std::optional<Vec3> local_origin(const Mesh& mesh, std::span<const std::vector<I
   if (rims.empty())
     for (Index v = 0; v < mesh.vertices.rows(); ++v) take(v);
   const Vec3 middle = 0.5 * (low + high);
-  if (!middle.allFinite() || middle.norm() <= far_away * (high - low).norm()) return {};
+  if (!middle.allFinite() || (high - low).norm() >= least_size * middle.norm()) return {};
   return middle;
 }
 

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "tripatch/math/box_tree.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 namespace {
@@ -18,7 +19,7 @@ constexpr double off_faces = std::numbers::sqrt2 / 2;
 
 /// Cosine of 70 degrees: so far ahead, in the mean, another border of the same part of the mesh lies that a person joins by hand. Of two holes
 /// side by side in one surface it is about 0; across bent pipes it is more, up to bends of some 60 degrees.
-constexpr double ahead = 0.34;
+const double ahead = std::cos(radians(angle::upright));
 
 struct HoleBorder {
   std::vector<Vec3> points;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tripatch/math/angle.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/vertex_normals.h"
 
@@ -15,7 +16,7 @@ namespace {
 
 using Loop = std::vector<Index>;
 
-constexpr double normal_share = 1.0 / 3;  ///< of the window: where the tangent plane is read
+constexpr double normal_share = share::third;  ///< of the window: where the tangent plane is read
 
 /// Twice the vector area of the triangle at a corner of a face, to the side of the whole face's: where a face is not convex, as next to a
 /// hole that was cut into it, corners turn the other way.

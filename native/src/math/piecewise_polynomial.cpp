@@ -238,7 +238,8 @@ PiecewisePolynomial PiecewisePolynomial::fit(const std::function<void(std::span<
                                              int dimension, double tolerance, int degree, int max_depth) {
   const int n = degree + 1;
   const auto& [nodes, to_monomials] = interpolation(n);
-  const std::vector<double> checks = {-1.0, -0.97, -0.71, -0.37, 0.13, 0.53, 0.83, 1.0};
+  std::vector<double> checks = {-1, 1};  // and places unlike the nodes
+  for (int k = 1; k < count::dozen; ++k) checks.push_back(std::sin(k));
 
   struct Piece {
     double a, b;

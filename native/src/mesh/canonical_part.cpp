@@ -18,7 +18,7 @@ using RimLoop = std::vector<Index>;
 /// Rings whose vertices are looked at where the rim alone does not tell its beginnings apart, before all that is known is.
 constexpr int near_rings = count::pair;
 /// Vertices next to beginnings that are looked at so, at most: 0.3 s. Where there are more only those of so many rings as that allows are.
-constexpr Index max_compared = 200'000'000;
+constexpr Index max_compared = Index{count::hundreds} * count::million;
 
 /// Gives out numbers from the loops on, the faces around each vertex in the order in which they follow each other.
 class Walk {

@@ -26,7 +26,7 @@ SeamOfSide seam_of(const Surface& patch, const Points& places, const Points& poi
 }
 
 double normals_spread(const Surface& patch, const Eigen::RowVector3d& one, const Eigen::RowVector3d& other) {
-  constexpr Index rays = 17;  // a choice
+  constexpr Index rays = count::places + 1;  // a choice
   Points places(rays, 3);
   for (Index k = 0; k < rays; ++k) places.row(k) = one + static_cast<double>(k) / (rays - 1) * (other - one);
   const Points normals = patch.normals(places);

@@ -106,7 +106,7 @@ std::pair<Points, Points> Surface::positions_and_normals(const PointsRef& b) con
 }
 
 void Surface::positions_and_normals(const PointsRef& b, double* positions, double* normals) const {
-  constexpr Index size = 9;
+  constexpr Index size = jet_size(1) * 3;
   const Places places(b);
   const PointFormula* const formula = formula_of(*this);
   const bool by_formula = formula && formula->is_worth(b.rows());

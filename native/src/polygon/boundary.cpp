@@ -76,7 +76,7 @@ void lean(const PolygonDomain& lens, PolygonRibbon& ribbon, const CornerSlope& f
 }
 
 /// Places along a side at which it is turned evenly: a choice, a hook over a fiftieth of it has two.
-constexpr int hook_places = 128;
+constexpr int hook_places = count::block;
 
 double value_at(const PiecewisePolynomial& scalar, double t) {
   double value = 0;

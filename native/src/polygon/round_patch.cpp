@@ -264,12 +264,12 @@ RoundPatch round_made(const Side& side, const PolygonPatchOptions& options, cons
 
 /// Where the patch comes nearest to a point: Gauss-Newton from the nearest place of a grid, kept off the rim.
 Vec2 nearest_in_disc(const Surface& patch, const Vec3& point) {
-  constexpr double farthest_out = 0.98;  // what is added vanishes at the rim
+  constexpr double off_rim = share::trace;  // what is added vanishes at the rim
   constexpr int rings = count::dozen, angles = rings * 3;
   Points grid = Points::Zero(1 + rings * angles, 3);
   for (int k = 0; k < rings * angles; ++k) {
     const int ring = k / angles + 1;
-    const double r = farthest_out * ring / rings;
+    const double r = (1 - off_rim) * ring / rings;
     grid.row(1 + k).head<2>() = r * on_circle(static_cast<double>(k % angles) / angles);
   }
   Index best = 0;
@@ -279,7 +279,7 @@ Vec2 nearest_in_disc(const Surface& patch, const Vec3& point) {
     const Vec2 move = foot_at(patch, place, point).step;
     if (!move.allFinite()) break;
     place += move;
-    if (place.norm() > farthest_out) place *= farthest_out / place.norm();
+    if (place.norm() > 1 - off_rim) place *= (1 - off_rim) / place.norm();
   }
   return place;
 }

@@ -17,7 +17,7 @@
 namespace tripatch {
 namespace {
 
-constexpr std::size_t subsets_tried = 10;  ///< choices of corners for which the integers are sought
+constexpr std::size_t subsets_tried = count::dozen;  ///< choices of corners for which the integers are sought
 /// With each number of corners, embedded, smoothed and measured: of a rim of few edges more, as there it costs little.
 constexpr std::size_t layouts_tried = count::pair;
 /// Of a rim: of more one layout is tried. Of 60 outlines of three to eight sides in 100 edges nine take the second, whose least scaled

@@ -184,7 +184,7 @@ bool surely_unfolded(const PointsRef& vertices, const PointsRef& added, const Fa
       if (face.normal.dot(way) < 0) way = -way;
       break;
     }
-  constexpr double clearly = 1 + tolerance::solved;  // a million times what rounding does to unit vectors
+  constexpr double clearly = tolerance::solved + 1;  // a million times what rounding does to unit vectors
   const double cosine = std::cos(folded_degrees / 2 * std::numbers::pi / 180), least = clearly * cosine * cosine;
   const auto leans_little = [&](const Vec3& normal) {
     const double along = normal.dot(way);

@@ -22,7 +22,7 @@ constexpr int steps = count::octet;
 constexpr double min_bend = share::fifth;
 /// Times the radius of curvature: farther off on the inner side a sample has no foot nearby, and stays where it is. In meshes stretched by 1000
 /// what rounding does to places grew 400 times by steps from there. Of 106 known and real holes one changes, by 4%.
-constexpr double farthest_bent = 30;
+constexpr double farthest_bent = factor::extreme;
 /// Of the plane's extent: no step is longer, for the polynomial is known no farther around.
 constexpr double longest_step = share::tenth;
 

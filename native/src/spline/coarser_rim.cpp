@@ -16,7 +16,7 @@ namespace {
 /// with rims of 500 to 5,000 edges, 45 to 80 degrees wide, are farther off with 160, and with 240 the field takes the layout's errors for
 /// noise now and then. But where the surroundings are narrow so many more that there are three rows of triangles: of caps and waves with
 /// rims of 4,000 edges, 40 rings of faces wide, the fills were 2 to 30 times farther off.
-constexpr double edges_of_circle = 200, max_edges_of_circle = 350, min_rows = count::few;
+constexpr double edges_of_circle = count::hundreds, max_edges_of_circle = 350, min_rows = count::few;
 /// Surroundings that reach less far than this share of such an edge say too little then: of those caps with 5,000 edges, of which ten of
 /// them are seen, one is four times farther off than seen from above.
 constexpr double min_width = share::most;

@@ -10,6 +10,7 @@
 
 #include "tripatch/math/decompositions.h"
 #include "tripatch/math/dense_kernels.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerances.h"
 
 namespace tripatch {
@@ -20,7 +21,7 @@ using Sparse = Eigen::SparseMatrix<double>;
 /// The largest cotangent, of half a degree: triangles whose area says more are taken for that much thicker, all three of their angles, so
 /// that the energy of each is positive. Areas of vertices are no less than this share of the mean triangle's. Else they come of triangles
 /// that are all but an edge.
-constexpr double steepest = 100;
+constexpr double steepest = factor::extreme;
 /// Areas of vertices where a fill meets its surroundings, over those of the fill's triangles alone: the planes of these surroundings are
 /// those of single triangles. With 1 cages that end at wide bevels continue as those leave, with 2 at narrow ones; 1.3 to 2 leave 60 rough
 /// holes equally near to what was there, with 3 they are 2% farther.
@@ -51,7 +52,7 @@ Laplacian cotangent_laplacian(const Points& points, const std::vector<std::array
 namespace {
 
 /// Columns that are solved for at once where all of them would take too much room.
-constexpr Index at_once = 32;
+constexpr Index at_once = count::dozens;
 
 /// Least energies of increasing orders, of the same free vertices. With the Laplacian S, positive on its diagonal, and the areas
 /// A the energies are x' S x, w' w / A of w = S x, and v' S v of v = w / A. Matrices of the higher two have the condition of S
@@ -234,23 +235,23 @@ private:
 
 /// Of the higher of two orders: it overshoots farther, and errs more where it errs. Twice as much leaves 84 holes of scanned and modelled
 /// meshes 1.7% farther from what was there, half 0.6% nearer.
-constexpr double share_of_last = 0.25;
+constexpr double share_of_last = share::quarter;
 /// Of the second model where surroundings are rough and have details: with all of `max_of_second` 216 holes of 25 meshes are 1.5% farther,
 /// with none 1%.
 constexpr double share_where_rough = 0.45;
 /// Of an edge: where so much reads as noise, half of `max_of_second`. No scan has that much noise; it is details finer than edges. On
 /// those meshes fills of rims with a sixth of an edge or more are 4 to 30% nearer with the second model alone than without.
-constexpr double far_rough = 0.15, steepness_of_far = 4;
+constexpr double far_rough = 0.15, steepness_of_far = factor::large;
 /// Of the second model, where there is little noise, but the likeliest order is lower than that of any known surface with noise up to 2%
 /// of an edge (3.6). Chosen on 50 such holes.
-constexpr double share_where_creased = 0.25, order_where_creased = 3.5, steepness_of_order = 24;
+constexpr double share_where_creased = share::quarter, order_where_creased = 3.5, steepness_of_order = 24;
 /// Of it where details are faint: noise of about this share of an edge. A fifth of it leaves 33 such holes 3% nearer; surfaces that are
 /// strongly curved, without noise, or under noise of 2% of an edge must have none.
-constexpr double share_where_faint = 0.25, half_faint = 0.005, beyond_faint = 0.012, steepness_of_faint = 8;
+constexpr double share_where_faint = share::quarter, half_faint = 0.005, beyond_faint = 0.012, steepness_of_faint = 8;
 
 /// See mostly_details. Of 72 holes in meshes of animals under noise of a tenth to a third of an edge a quarter to twice of it changes two or
 /// fewer; with four times as much five are 8% farther in the mean, without it seven 16%.
-constexpr double min_of_details = 0.2;
+constexpr double min_of_details = share::fifth;
 
 }  // namespace
 

@@ -16,6 +16,7 @@
 
 #include "tripatch/math/interruption.h"
 #include "tripatch/math/lru_cache.h"
+#include "tripatch/math/thresholds.h"
 #include "tripatch/math/tolerant_compare.h"
 #include "tripatch/mesh/edge_key.h"
 #include "tripatch/report/crossings.h"
@@ -30,16 +31,16 @@ namespace {
 using Row = Eigen::Array<double, 1, Eigen::Dynamic>;
 using Square = Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr Index largest_exact = 200;  // vertices: 1.3 million triangles are compared, in some 5 ms
+constexpr Index largest_exact = count::hundreds;  // vertices: 1.3 million triangles are compared, in some 5 ms
 /// Triangulations of a kind that are tried until one does not cross itself: those with the least worst angle, the same without triangles that the rim
 /// goes through, then those with the least area. Of 76 rims of real meshes, up to 113 vertices, 39 have one of the first kind, 73 one of the
 /// second, 61 at once, and 75 one of the third, 72 at once. Of 30,000 rims of 12 and 14 random vertices 15 are filled otherwise with one of the third
 /// kind, none with three or seven.
-constexpr int rounds_of_a_kind = 6;
+constexpr int rounds_of_a_kind = count::half_dozen;
 /// Of one try that are looked at. Only the time hangs on it: a thousand vertices strewn in a ball make 180,000, and ten seconds without it. Of 320
 /// rims of 10 to 1,000 random vertices none is filled otherwise with 100 or with 100,000.
-constexpr std::size_t max_crossings = 1000;
-constexpr Index largest_tried = 1000;  // vertices: of more a try takes a tenth of a second, and the first is taken
+constexpr std::size_t max_crossings = count::quadratic;
+constexpr Index largest_tried = count::quadratic;  // vertices: of more a try takes a tenth of a second, and the first is taken
 /// Cosine between an ear of a large polygon and the faces beyond its edges. Staircase rims of 214 to 702 edges on balls are as near with 0.47
 /// and 0.85; with 0 those on most of a ball take minutes.
 constexpr double goes_on = 0.7;

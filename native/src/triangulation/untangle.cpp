@@ -6,16 +6,17 @@
 #include <numbers>
 #include <tuple>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/mesh/triangles.h"
 
 namespace tripatch {
 namespace {
 
 /// Rounds of moving: on 120 holes of scanned and modelled meshes with one to ten folded edges three were enough where any were.
-constexpr int mending_rounds = 8;
+constexpr int mending_rounds = count::octet;
 /// More folded edges than this share of all, and than `some_anyway`, are no matter of single vertices: the surface itself is wrong.
 constexpr double some = 0.03;
-constexpr Index some_anyway = 4;
+constexpr Index some_anyway = count::several;
 
 struct Joint {
   Index low, high, triangle;
@@ -100,7 +101,7 @@ Index untangle(Points& points, const std::vector<std::array<Index, 3>>& triangle
 namespace {
 
 /// A flip leaves no triangle flatter than this: height over longest edge. One without area would hide its folds.
-constexpr double min_flipped_height = 0.02;
+constexpr double min_flipped_height = share::trace;
 
 /// Two triangles on both sides of an edge, and what lies across their other edges.
 class Flip {

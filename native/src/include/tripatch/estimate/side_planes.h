@@ -7,12 +7,13 @@
 #include "tripatch/estimate/fits_between.h"
 #include "tripatch/estimate/stencils.h"
 #include "tripatch/estimate/vertex_fit.h"
+#include "tripatch/math/thresholds.h"
 
 namespace tripatch {
 
 /// Radians an edge, from which on polynomials of heights say little. Half and twice of it: planes err by 1% less, by 4% more in the mean of
 /// 78 rims in meshes of balls, tori, saddles and fillets.
-constexpr double coarse_turn = 0.3;
+constexpr double coarse_turn = share::three_tenths;
 
 /// What one side's fits tell besides its planes.
 struct SideFit {

@@ -39,7 +39,7 @@ constexpr std::array<Neighborhood, 5> neighborhoods = {{{max_rings, true, true, 
 /// How far vertices are from the vertices at the ends of a side and from those of its neighbors there, squared.
 class SideDistances {
 public:
-  static constexpr int most = 2 * max_rings;  ///< edges of a side's end that are looked at together
+  static constexpr int most = max_rings * 2;  ///< edges of a side's end that are looked at together
   struct Of {
     std::array<double, most + 1> from_start, from_end;  ///< from the nearest of the first vertices, up to the one of each place
     double before, after;                               ///< from the ends of the neighbors

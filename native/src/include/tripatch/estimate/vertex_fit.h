@@ -5,12 +5,13 @@
 #include <numbers>
 #include <vector>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/types.h"
 
 namespace tripatch {
 
 constexpr double well_known =
-    0.05 * std::numbers::pi / 180;  ///< deviation of a plane, less than which nobody sees: nothing else is looked at
+    radians(share::little);  ///< deviation of a plane, less than which nobody sees: nothing else is looked at
 
 /// The plane at a rim vertex.
 struct VertexFit {

@@ -37,7 +37,8 @@ public:
   }
 
 private:
-  static constexpr std::size_t few = count::several, max_depth = 66;  // each node has half the boxes of the one above it
+  static constexpr std::size_t few = count::several,
+                               max_depth = count::many_places;  // each node has half the boxes of the one above it
   struct Node {
     Box box;
     std::size_t first, end, second = 0;  // the nodes after this one, and that; 0: a leaf

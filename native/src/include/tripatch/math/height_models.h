@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "tripatch/math/jet.h"
 #include "tripatch/math/thresholds.h"
 #include "tripatch/types.h"
 
@@ -13,7 +14,7 @@ namespace tripatch {
 /// Samples of HeightSpline: two rings around eight edges have about forty vertices. The time grows with the cube.
 constexpr std::size_t max_height_samples = count::many_places;
 /// Polynomials to degree 2.
-constexpr int quadric_terms = 6;
+constexpr int quadric_terms = jet_size(2);
 using QuadricTerms = Eigen::Matrix<double, quadric_terms, 1>;
 
 /// The quadric of least squares through samples (x, y, height).

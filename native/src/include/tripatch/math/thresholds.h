@@ -25,7 +25,7 @@ constexpr double radians(double degrees) { return degrees * std::numbers::pi / 1
 /// Parts of a whole, sines and cosines.
 namespace share {
 inline constexpr double hundredth = 0.01, trace = 0.02, little = 0.05, tenth = 0.1, fifth = 0.2, quarter = 0.25,
-                        three_tenths = 0.3, half = 0.5, most = 0.75, nearly_all = 0.9;
+                        three_tenths = 0.3, third = 1.0 / 3, half = 0.5, most = 0.75, nearly_all = 0.9;
 }  // namespace share
 
 /// How many times as large a number has to be.

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "tripatch/math/tolerances.h"
 #include "tripatch/patch/simd.h"
 
 #ifdef TRIPATCH_PACKS
@@ -63,7 +64,7 @@ public:
       pieces_.push_back({p > 0 ? breaks[p] : -infinity, p + 1 < n ? breaks[p + 1] : infinity, 0.5 * (breaks[p] + breaks[p + 1])});
     }
     for (Index k = 0, p = 0; k < places; ++k) {
-      while (pieces_[p].end <= (1 - 1e-15) * static_cast<double>(k) / static_cast<double>(places)) ++p;
+      while (pieces_[p].end <= (1 - tolerance::fit) * static_cast<double>(k) / static_cast<double>(places)) ++p;
       lookup_.push_back(static_cast<std::int32_t>(p));
     }
   }

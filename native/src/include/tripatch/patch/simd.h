@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tripatch/math/simd.h"
+#include "tripatch/math/tolerances.h"
 #include "tripatch/patch/surface.h"
 
 namespace tripatch {
@@ -231,7 +232,7 @@ public:
     lookup_.resize(places);
     for (Index k = 0, p = 0; k < places; ++k) {
       // a little before: where a parameter is among the breaks and not its rounding tells its piece
-      while (ends_[p] <= (1 - 1e-15) * static_cast<double>(k) / static_cast<double>(places)) ++p;
+      while (ends_[p] <= (1 - tolerance::fit) * static_cast<double>(k) / static_cast<double>(places)) ++p;
       lookup_[k] = static_cast<std::int32_t>(p);
     }
   }

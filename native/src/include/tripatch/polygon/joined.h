@@ -10,7 +10,7 @@ namespace tripatch {
 
 /// Degrees by which tangents and planes may differ where pieces are one side, and where a round rim's end meets its beginning: several
 /// times what planes estimated from a mesh are off.
-constexpr double still_smooth = 10;
+constexpr double still_smooth = angle::bend;
 
 struct JoinedSide {
   Side side;

@@ -6,6 +6,7 @@
 #include <array>
 #include <vector>
 
+#include "tripatch/math/jet.h"
 #include "tripatch/math/plane.h"
 #include "tripatch/patch/surface.h"
 #include "tripatch/patch/through.h"
@@ -33,7 +34,7 @@ public:
                                  const Eigen::VectorXd& at_places) const;
 
 private:
-  static constexpr Index free = 6;  // polynomials of degree 2
+  static constexpr Index free = jet_size(2);  // polynomials of degree 2
   PlanePoints normalised(const PlanePoints& points) const { return (points.rowwise() - middle_) / size_; }
   /// Values of the basis, or their derivatives by one normalised coordinate, at normalised points: a row each.
   Eigen::MatrixXd basis(const PlanePoints& at, int axis = -1) const;

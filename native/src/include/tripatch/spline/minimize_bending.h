@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "tripatch/math/thresholds.h"
 #include "tripatch/spline/disc.h"
 
 namespace tripatch {
@@ -43,7 +44,7 @@ struct FieldFindings {
 };
 
 /// At most so much of a fill is its second model. Chosen on 216 holes of 25 meshes.
-constexpr double max_of_second = 0.8;
+constexpr double max_of_second = share::most;
 /// How much of a fill is the second model. Rough surroundings lie off any layout by what their details stretch; this one bends the
 /// triangles themselves least, or varies their bending least, and knows of no plane: the most where what reads as noise is a seventh of
 /// an edge and more. Half where the noise decides the order altogether and details are much more than noise; some where there is little
