@@ -455,6 +455,20 @@ def gizmos(w):
     yield from w.picture("arrow-dragged")
     assert bulges[0] > 1.5, f"the arrow changes its side's bulge: {bulges}"
     w.home()
+    pulled = bulges[0]
+    for shift, wanted in ((False, 1.0), (True, pulled)):
+        w.press("Z", ctrl=True, shift=shift)
+        yield
+        yield
+        assert tool.current() is made and counts() == before, "the shape is undone, not the mesh"
+        assert made.shape.bulges[0] == wanted, f"shift {shift}: {made.shape.bulges}"
+    w.move(*w.on_screen(made.points[0]))
+    yield
+    w.click()
+    yield
+    yield
+    assert tool.current() is made, "a click on the hole that is shaped keeps its shape"
+    w.home()
     w.press("RET")
     yield
     yield
