@@ -103,7 +103,7 @@ class MESH_OT_shape_fill(_OfTool, bpy.types.Operator):
             bm.verts.index_update()
             bm.faces.index_update()
             rim = shaping.rims_at(bm, lambda v, ob=ob: on_screen(context, ob.matrix_world @ v.co), mouse)
-            if rim and current() and current().is_of(ob, rim):
+            if rim and current() and current().is_of(ob, rim) and current().is_current(bm):
                 return {"FINISHED"}
             if rim:
                 return self._start(context, lambda ob=ob, bm=bm, rim=rim: shaping.Shaping(ob, bm, rim, self._arguments(context)))

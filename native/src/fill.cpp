@@ -291,16 +291,24 @@ SidedRim cage_rim_for(const FillContext& context, const std::optional<std::vecto
   return found;
 }
 
+/// A cage is fitted to the patch of one boundary.
+bool fits_cages(const FillOptions& options) {
+  return options.output == Output::cage && options.islands.empty() && options.method != annulus_method;
+}
+
+/// Between boundaries the quads on a surface through the mesh's control points are a cage.
+FillOptions with_quads_for_cages(FillOptions options) {
+  if (options.output == Output::cage) options.output = Output::quads;
+  return options;
+}
+
 /// A hole of a mesh near the origin.
 Fill fill_as_it_is(const Mesh& mesh, const FillOptions& options) {
   FillContext context(mesh, options.rim, options);
-  FillOptions of_faces = options;
-  if (options.output == Output::cage) {
-    if (options.islands.empty())
-      return std::move(
-          fill_with_cages(context, {cage_rim_for(context, options.rim, options.corners, options)}, to_be_moved(options))[0]);
-    of_faces.output = Output::quads;  // between boundaries: control points on a surface through those of the mesh
-  }
+  if (fits_cages(options))
+    return std::move(
+        fill_with_cages(context, {cage_rim_for(context, options.rim, options.corners, options)}, to_be_moved(options))[0]);
+  const FillOptions of_faces = with_quads_for_cages(options);
   const auto filled = [&] { return fill_by_method(context, options.rim, options.corners, of_faces); };
   Fill fill = filled();
   Fill* const only = &fill;
@@ -395,7 +403,7 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
     if (progress) progress(done);
   };
   const auto corners_at = [&](std::size_t k) { return k < corners.size() ? corners[k] : Corners(); };
-  if (options.output == Output::cage) {
+  if (fits_cages(options)) {
     std::vector<std::optional<SidedRim>> holes(rims.size());
     for (std::size_t k = 0; k < rims.size(); ++k) {
       try {
@@ -407,7 +415,8 @@ Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>&
     fill_all_with_cages(context, holes, to_be_moved(options), results, progress);
     return results;
   }
-  const auto filled = [&](std::size_t k) { return fill_by_method(context, rims[k], corners_at(k), options); };
+  const FillOptions of_faces = with_quads_for_cages(options);
+  const auto filled = [&](std::size_t k) { return fill_by_method(context, rims[k], corners_at(k), of_faces); };
   const auto fill_one = [&](std::size_t k) {
     const Stopwatch watch;
     try {

@@ -126,8 +126,11 @@ def test_boundaries_that_face_opposite_ways_are_refused():
 
 def test_the_method_takes_two_boundaries_and_no_more():
     vertices, faces, hole, boss = boss_on_plate()
-    with pytest.raises(tripatch.Refusal, match="joins two boundaries"):
-        tripatch.fill(vertices, faces, rim=hole, method="annulus")
+    for output in ("triangles", "cage"):
+        with pytest.raises(tripatch.Refusal, match="joins two boundaries"):
+            tripatch.fill(vertices, faces, rim=hole, method="annulus", output=output)
+        (refused,) = tripatch.fill_all(vertices, faces, rims=[hole], method="annulus", output=output)
+        assert refused.code == "ring_takes_two"
 
 
 @pytest.mark.parametrize("n", [32, 24])

@@ -118,9 +118,9 @@ Fill fill_any_rim(const FillContext& context, const std::vector<Index>& rim, con
   std::vector<std::vector<Index>> islands;
   for (const std::vector<Index>& island : options.islands) islands.push_back(ordered(island));
   SplineFillOptions own = {options.resolution, options.output == Output::quads, options.features, nullptr, options.through};
-  const Connectivity nothing = without_faces(context.mesh);
+  std::optional<Connectivity> nothing;
   if (meets_position_only(options)) {
-    own.continued = &nothing;
+    own.continued = &nothing.emplace(without_faces(context.mesh));
     own.features = false;
   }
   // A neighborhood that was enough for three sides is not for this: rings are taken as far as half the hole's diameter.
