@@ -104,6 +104,15 @@ def test_fills_that_are_faces_of_the_mesh_pass_through_it_as_before(output):
     assert passages.of_faces(made, *_arrays.faces([whole[k] for k in without_fin]), [of_face[k] for k in without_fin]) == [None]
 
 
+def test_the_place_does_not_depend_on_the_other_fills():
+    fin = FIN @ np.array([[0.8, 0.6, 0], [-0.6, 0.8, 0], [0, 0, 1]]) + [0.41, -0.19, 0]
+    one = together(PLATE, (fin, [[0, 1, 2], [0, 2, 3]]))
+    (alone,) = tripatch.fill_all(*one)
+    for count in range(2, 6):
+        first, *_ = tripatch.fill_all(*together(one, *[(PLATE[0] + [0, 0, 3 * k], PLATE[1]) for k in range(1, count)]))
+        assert first.passes_through == alone.passes_through is not None
+
+
 def test_in_a_window_no_vertex_is_named():
     said = tripatch.Message("fill_passes_through", {"place": "(0, 1, 2)"}, [4])
     assert str(said) == "The fill at vertex 4 passes through the mesh near (0, 1, 2)"

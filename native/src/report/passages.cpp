@@ -63,15 +63,17 @@ public:
     return any;
   }
 
-  /// The triangles that meet a box, in the order in which they are looked at.
+  /// The triangles that meet a box, in order: the place that is found in a fill does not depend on what else is looked at.
   void find_near(const BoxTree::Box& box, std::vector<std::size_t>& near) const {
     near.clear();
     tree_.each_meeting(box, [&](std::size_t k) { near.push_back(k); });
+    std::ranges::sort(near);
   }
 
   /// A face, or a piece of it. face: its vertices; own: its fill.
   void look(std::span<const Index> face, std::span<const Vec3> corners, Index own = -1) {
-    tree_.each_meeting(box_around(corners), [&](std::size_t k) { look_at(k, face, corners, own); });
+    find_near(box_around(corners), near_);
+    for (const std::size_t k : near_) look_at(k, face, corners, own);
   }
   /// A face of no fill. near: all triangles that it meets, and perhaps others.
   void look_among(std::span<const std::size_t> near, std::span<const Index> face, std::span<const Vec3> corners) {
@@ -110,6 +112,7 @@ private:
   std::vector<FlatTriangle> triangles_;
   std::vector<std::vector<Index>> vertices_;
   BoxTree tree_;
+  std::vector<std::size_t> near_;  // of one face; keeps its memory
 };
 
 /// For each vertex a bit of each side of a box that it lies beyond: faces whose vertices have one in common do not meet the box.
