@@ -16,6 +16,7 @@ from .shaping_view import (
     edited,
     gizmo_size,
     label_places,
+    let_go,
     middle_handlers,
     pixel,
 )
@@ -119,6 +120,7 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
 
     def setup(self, _context):
         self.corners, self.arrows, self.middle, self.labels = [], [], None, []
+        self.pulled = False  # an arrow, and not let go yet: Blender tells of that by is_modal only
 
     def _dot(self, kind, k, color, size, highlight=(1, 1, 1)):
         gizmo: Any = self.gizmos.new(kind.bl_idname)
@@ -128,8 +130,11 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
         return gizmo
 
     def _arrow(self, get, put, color):
+        def pull(value):
+            self.pulled = put(value) or self.pulled
+
         gizmo = self.gizmos.new("GIZMO_GT_arrow_3d")
-        gizmo.target_set_handler("offset", get=get, set=put)
+        gizmo.target_set_handler("offset", get=get, set=pull)
         gizmo.draw_style, gizmo.use_draw_value = "BOX", True  # pyright: ignore[reportAttributeAccessIssue]
         gizmo.color, gizmo.alpha = color, 0.8
         gizmo.color_highlight, gizmo.alpha_highlight = (1, 1, 1), 1.0
@@ -163,6 +168,9 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
             self.corners, self.arrows, self.middle, self.labels = [], [], None, []
             return
         self._make(made)
+        if self.pulled and not any(arrow.is_modal for arrow in (*self.arrows, self.middle)):
+            self.pulled = False
+            let_go()
         for gizmo, place in zip(self.corners, made.corners()):
             gizmo.matrix_basis = Matrix.Translation(Vector(made.points[place]))
         for gizmo, (point, _) in zip(self.labels, label_places(context), strict=False):

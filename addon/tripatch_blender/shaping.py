@@ -9,7 +9,7 @@ from __future__ import annotations
 import copy
 import math
 import time
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from typing import Any
 
 from . import calls, filling, mirrored, records, selection, writeback
@@ -21,8 +21,6 @@ REACH = 60
 #: Of the size of the hole: an arrow at bulge 1. The arrows of three sides do not meet in the middle.
 ARROW = 0.14
 MIN_BULGE = 0.05
-#: Seconds within which changes of one arrow are one drag.
-_ONE_DRAG = 2.0
 #: Relative difference that is none.
 _SAME = 1e-6
 #: What a click on the label of a side goes through.
@@ -87,7 +85,6 @@ class Shaping:
         self._middle: Any = None  # where its handle is without an offset: (point, normal)
         self._before = None
         self._settled = copy.deepcopy(self.shape)
-        self._last: tuple[list, float] = ([], 0.0)  # what changed in the last step, and when
         self._past: list[Shape] = []
         self._future: list[Shape] = []
 
@@ -198,27 +195,12 @@ class Shaping:
     # Undo.
 
     def settle(self):
-        """The shape as it is now is a step of undo, if it is another one. Blender does not tell when an arrow is let go: what
-        changes again soon is one step."""
-        changed = self._changed()
-        if not changed:
+        """The shape as it is now is a step of undo, if it is another one."""
+        if self.shape == self._settled:
             return
-        before, self._last = self._last, (changed, time.monotonic())
-        if before[0] != changed or self._last[1] - before[1] > _ONE_DRAG:
-            self._past.append(self._settled)
+        self._past.append(self._settled)
         self._future.clear()
         self._settled = copy.deepcopy(self.shape)
-
-    def _changed(self):
-        """What is not as it was in the last step: names of fields, with the places in those of as many values."""
-        found = []
-        for each in fields(Shape):
-            old, new = getattr(self._settled, each.name), getattr(self.shape, each.name)
-            if isinstance(new, list) and len(old) == len(new):
-                found += [(each.name, k) for k, (a, b) in enumerate(zip(old, new, strict=True)) if a != b]
-            elif old != new:
-                found.append((each.name, -1))
-        return found
 
     def step(self, forward):
         """Takes the last change back, or makes it again. Whether there is one."""
@@ -226,7 +208,6 @@ class Shaping:
         come_from, go_to = (self._past, self._future) if forward else (self._future, self._past)
         if not go_to:
             return False
-        self._last = ([], 0.0)
         come_from.append(self._settled)
         self._settled = go_to.pop()
         self.shape = copy.deepcopy(self._settled)

@@ -69,8 +69,7 @@ def stop():
     """Ends it, and leaves nothing behind."""
     for handle in filter(None, (_state.handle, _state.label_handle)):
         bpy.types.SpaceView3D.draw_handler_remove(handle, "WINDOW")
-    if bpy.app.timers.is_registered(_settle):
-        bpy.app.timers.unregister(_settle)
+    _stop_timers()
     _state.__init__()
     overlay.redraw()
 
@@ -82,8 +81,21 @@ def changed():
     overlay.redraw()
 
 
-def _settle():
-    """Of a timer: a handle rests, or was let go, of which Blender does not tell."""
+def _stop_timers():
+    for timer in (_rest, _release):
+        if bpy.app.timers.is_registered(timer):
+            bpy.app.timers.unregister(timer)
+
+
+def _rest():
+    """Of a timer: a handle rests, and its fill takes long."""
+    if current() and edited() and not current().is_shown:
+        current().preview()
+        changed()
+
+
+def _release():
+    """Of a timer, as nothing is filled while a view is drawn."""
     if current() and edited():
         current().end_drag()
         changed()
@@ -94,9 +106,14 @@ def pulled():
     if current().seconds < _PROMPT:
         current().preview()
         changed()
-    if bpy.app.timers.is_registered(_settle):
-        bpy.app.timers.unregister(_settle)
-    bpy.app.timers.register(_settle, first_interval=_RESTS)
+    _stop_timers()
+    bpy.app.timers.register(_rest, first_interval=_RESTS)
+
+
+def let_go():
+    """After an arrow was pulled."""
+    _stop_timers()
+    bpy.app.timers.register(_release, first_interval=0.0)
 
 
 def _drawn():
@@ -212,7 +229,7 @@ def drag_to(context, number, mouse):
 
 
 def bulge_handlers(k):
-    """What an arrow of a side reads and writes: its offset in scene units."""
+    """What an arrow of a side reads and writes: its offset in scene units. Writing says whether it is another one."""
 
     def get():
         made = current()
@@ -220,8 +237,10 @@ def bulge_handlers(k):
 
     def put(value):
         made = current()
-        if made and k < len(made.shape.bulges) and made.set_bulge(k, value / (shaping.ARROW * made.size)):
+        is_new = made and k < len(made.shape.bulges) and made.set_bulge(k, value / (shaping.ARROW * made.size))
+        if is_new:
             pulled()
+        return is_new
 
     return get, put
 
@@ -231,8 +250,10 @@ def middle_handlers():
         return current().shape.middle if current() else 0.0
 
     def put(value):
-        if current() and current().set_middle(value):
+        is_new = current() and current().set_middle(value)
+        if is_new:
             pulled()
+        return is_new
 
     return get, put
 

@@ -389,7 +389,7 @@ def test_while_dragging_what_is_shown_is_what_is_inserted_with_its_edges(shaping
     plain = made.fill.vertices.copy()
     view.bulge_handlers(0)[1](1.6 * shaping.ARROW * made.size)
     view.middle_handlers()[1](0.08 * made.size)
-    view._settle()
+    view._rest()
     assert not made.refusal and made.is_shown
     vertices, _, edges = made.surface()
     assert plain.shape != made.fill.vertices.shape or np.abs(made.fill.vertices - plain).max() > 0.02 * made.size
@@ -428,11 +428,11 @@ def test_a_fill_that_takes_long_is_made_when_the_handle_rests(shaping, view, mon
     view.start(made)
     shown = made.fill
     view.bulge_handlers(0)[1](0.3 * made.size)
-    assert made.fill is shown and not made.is_shown and bpy.app.timers.is_registered(view._settle)
-    view._settle()
+    assert made.fill is shown and not made.is_shown and bpy.app.timers.is_registered(view._rest)
+    view._rest()
     assert made.fill is not shown and made.is_shown
     view.stop()
-    assert not bpy.app.timers.is_registered(view._settle)
+    assert not bpy.app.timers.is_registered(view._rest)
 
 
 def test_a_handle_that_is_set_again_to_what_it_is_makes_nothing_anew(shaping, view):
@@ -440,12 +440,12 @@ def test_a_handle_that_is_set_again_to_what_it_is_makes_nothing_anew(shaping, vi
     view.start(made)
     for _, put in (view.bulge_handlers(0), view.middle_handlers()):
         put(0.2 * made.size)
-        view._settle()
+        view._rest()
         shown = made.fill
-        if bpy.app.timers.is_registered(view._settle):
-            bpy.app.timers.unregister(view._settle)
+        if bpy.app.timers.is_registered(view._rest):
+            bpy.app.timers.unregister(view._rest)
         put(float(np.float32(0.2 * made.size)))  # as Blender does in each drawing
-        assert made.is_shown and made.fill is shown and not bpy.app.timers.is_registered(view._settle)
+        assert made.is_shown and made.fill is shown and not bpy.app.timers.is_registered(view._rest)
     view.stop()
 
 

@@ -412,8 +412,8 @@ def _tool(w):
     return importlib.import_module(f"{ADDON}.shaping_view")
 
 
-def _drag(w, start, end, steps=6):
-    """By the left button, in steps."""
+def _drag(w, start, end, steps=6, cancel=False):
+    """By the left button, in steps; what takes long is shown in between."""
     w.move(*start)
     yield
     yield
@@ -421,6 +421,9 @@ def _drag(w, start, end, steps=6):
     yield
     for k in range(1, steps + 1):
         w.move(*(a + (b - a) * k / steps for a, b in zip(start, end, strict=True)))
+        yield
+    if cancel:
+        w.press("ESC")
         yield
     w.event("LEFTMOUSE", "RELEASE")
     yield
@@ -447,16 +450,23 @@ def gizmos(w):
     yield from _drag(w, w.on_screen(made.points[corner]), w.on_screen(made.points[(corner + 3) % len(made.points)]))
     assert made.shape.corners[0] == corner + 3, f"the corner is at {made.shape.corners[0]}, not {corner + 3}"
     yield from w.picture("corner-dragged")
-    yield from _drag(w, w.on_screen(made.points[corner + 3]), w.on_screen(made.points[corner]))
+    across = w.on_screen(made.points[corner + 3]), w.on_screen(made.points[corner])
+    yield from _drag(w, *across, cancel=True)
+    assert made.shape.corners[0] == corner + 3, "escape brings back what was before the drag"
+    yield from _drag(w, *across)
     _, point, direction = made.side_handles()[0]
     tip = point + direction * made.shape.bulges[0] * shaping.ARROW * made.size  # the box at the end of the arrow
     yield from _drag(w, w.on_screen(tip), w.on_screen(tip + direction * shaping.ARROW * made.size))
     bulges = made.shape.bulges
     yield from w.picture("arrow-dragged")
     assert bulges[0] > 1.5, f"the arrow changes its side's bulge: {bulges}"
-    w.home()
     pulled = bulges[0]
-    for shift, wanted in ((False, 1.0), (True, pulled)):
+    tip = point + direction * pulled * shaping.ARROW * made.size
+    yield from _drag(w, w.on_screen(tip), w.on_screen(tip - 0.3 * direction * shaping.ARROW * made.size))
+    again = made.shape.bulges[0]
+    assert abs(again - pulled) > 0.1, "it is pulled once more"
+    w.home()
+    for shift, wanted in ((False, pulled), (False, 1.0), (True, pulled), (True, again), (False, pulled)):
         w.press("Z", ctrl=True, shift=shift)
         yield
         yield
