@@ -43,7 +43,7 @@ def _of_methods(option):
 #: The folded parts of panels, where Blender cannot fold them itself.
 _FOLDED = ("holes", "sides", "subdivision", "advanced", "papers", "choice")
 #: The library's codes for why a fill follows no such option, of which each has a message.
-_WHY = ("sides", "three_sides", "position", "fairing", "vertices", "cage")
+_WHY = ("sides", "three_sides", "poles", "position", "fairing", "vertices", "cage")
 
 
 def _declared():

@@ -146,7 +146,7 @@ void bind_report(py::module_& m) {
           "warnings", [](const Report& report) { return message_objects(report.warnings); },
           "What a person should know of the fill: sentences (`Message`) with a `code`.")
       .def_readonly("not_applied", &Report::not_applied,
-                    "Options without effect, each with a code: output, method, sides, three_sides, position, fairing, vertices.")
+                    "Options without effect, each with a code: output, method, sides, three_sides, poles, position, fairing, vertices.")
       .def_readonly("seconds", &Report::seconds, "Time that the fill took.");
 }
 

@@ -289,6 +289,7 @@ std::map<std::string, std::string> not_applied(const FillOptions& given, const F
       return named_by(option).empty() ? "sides" : "method";
     }
     if (name == "pole_offset" && !laid_out_in_three) return "three_sides";
+    if (name == "pole_offset" && (fill.report.poles.empty() || fill.faces[0].size() != 4)) return "poles";
     if (name == "cross_boundary" && std::string_view(method.name) == polygon_method) return "three_sides";
     if (sided && !tangent && (name == "bulge" || name == "cross_boundary")) return "position";
     if (sided && name == "tension" && !given.fairing) return "fairing";

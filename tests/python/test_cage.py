@@ -293,6 +293,7 @@ def test_loop_subdivision_of_triangles(cage_rim):
     fill = tripatch.fill(vertices, faces, **options)
     assert {len(face) for face in fill.faces} == {3}
     assert len(fill.faces) == 36  # the regular split of equal counts
+    assert tripatch.fill(vertices, faces, pole_offset=(0.1, 0), **options).report.not_applied["pole_offset"] == "poles"
     limit, triangles = fill.limit(2)
     assert triangles.shape == (36 * 16, 3)
     radii = np.linalg.norm(limit, axis=1)

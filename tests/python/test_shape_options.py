@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import tripatch
 from shapes import octant
+from test_outer_borders import sheet
 
 
 def holed_grid(height, gone, n=16, triangles=False):
@@ -141,3 +142,13 @@ def test_a_hole_without_new_vertices_has_nothing_to_move():
     vertices, faces, rim = holed_grid(dome, lambda x, y: abs(x) < 0.1 and 0 < y < 0.1)
     made = tripatch.fill(vertices, faces, rim=rim, output="quads", bulge=2.0)
     assert len(made.vertices) == 0 and made.report.not_applied["bulge"] == "vertices"
+
+
+def test_poles_of_quads_between_three_sides_are_told():
+    vertices, faces = sheet(8, gone=[8 * i + j for i in range(2, 6) for j in range(2, 6)])
+    rim = next(loop for loop in tripatch.find_holes(faces) if len(loop) == 16)
+    given = {"rim": rim, "corners": rim[[0, 2, 6]], "output": "quads", "method": "side_vertex", "resolution": 0}
+    plain, moved = (tripatch.fill(vertices, faces, pole_offset=offset, **given) for offset in ((0, 0), (0.15, 0.1)))
+    counts = np.bincount(np.concatenate(plain.faces), minlength=len(vertices))
+    assert plain.report.poles == [[v, k] for v, k in enumerate(counts) if v >= len(vertices) and k != 4] != []
+    assert np.abs(plain.vertices - moved.vertices).max() > 1e-3 and "pole_offset" not in moved.report.not_applied

@@ -53,6 +53,8 @@ void deliver(Cover cover, const Points& border, Index vertices, Fill& fill) {
   }
   fill.faces = std::move(cover.faces);
   for (Index& v : fill.faces.corners) v = index[v];
+  for (const Index pole : cover.poles)
+    fill.report.poles.push_back({index[pole], std::ranges::count(fill.faces.corners, index[pole])});
   fill.split_edges = cover.split_edges;
   fill.split_t = cover.split_t;
   fill.report.rows = cover.rows;

@@ -63,6 +63,7 @@ Cover cover_with_quads(const Mesh& mesh, const Hole& hole, std::array<std::vecto
     cover.barycentric = std::move(layout.barycentric);
     cover.rim = layout.rim;
     cover.faces = std::move(layout.faces);
+    cover.poles = std::move(layout.poles);
     cover.rows = rows;
     if (options.rows) return cover;
     if (!tolerance) tolerance = default_tolerance * diameter(patch.positions(cover.barycentric.topRows(cover.rim)));

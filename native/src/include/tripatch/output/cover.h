@@ -22,6 +22,7 @@ struct Cover {
   std::vector<Index> rim_vertices;  ///< of the mesh, one a rim row; -1 where an edge was split
   std::vector<std::array<Index, 2>> split_edges;
   std::vector<double> split_t;
+  std::vector<Index> poles;  ///< rows inside where other than four quads meet
   int rows = 0;  ///< extra rows of quads
   Messages warnings;
 };
