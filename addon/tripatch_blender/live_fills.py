@@ -90,8 +90,9 @@ class VIEW3D_PT_tripatch_live(bpy.types.Panel):
         for fill in live.fills():
             if fill.name not in context.scene.objects:
                 continue
-            row = self.layout.row(align=True)
+            row = self.layout.split(factor=2 / 3, align=True)  # names are longer than what can be done
             row.label(text=fill.name, icon="ERROR" if live.problem_of(fill) else "MOD_MESHDEFORM")
+            row = row.row(align=True)
             row.operator(OBJECT_OT_update_live_fill.bl_idname, text="", icon="FILE_REFRESH").fill = fill.name
             row.operator(OBJECT_OT_apply_live_fill.bl_idname, text=library.label("apply")).fill = fill.name
             if live.problem_of(fill):

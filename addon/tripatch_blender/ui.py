@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import library, links, sentences
+from . import library, links, sentences, versions
 from .between_patches import OBJECT_OT_fill_between_patches
 from .blending import OBJECT_OT_blend_three_patches
 from .operators import MESH_OT_edit_fill, MESH_OT_fill_smooth
@@ -56,9 +56,10 @@ class TripatchPreferences(bpy.types.AddonPreferences):
         layout = self.layout
         if library.missing:
             layout.label(text=library.missing, icon="ERROR")
-        row = layout.row()
-        row.operator("wm.url_open", text=library.label("documentation"), icon="HELP").url = links.GUIDE
-        row.operator("wm.url_open", text=library.label("report_a_bug"), icon="URL").url = links.BUGS
+        if not versions.LINKS_ADDONS:
+            row = layout.row()
+            row.operator("wm.url_open", text=library.label("documentation"), icon="HELP").url = links.GUIDE
+            row.operator("wm.url_open", text=library.label("report_a_bug"), icon="URL").url = links.BUGS
         if not library.missing:
             layout.label(text=sentences.said("menu_and_key", operator=MESH_OT_fill_smooth.bl_label))
         user = context.window_manager.keyconfigs.user

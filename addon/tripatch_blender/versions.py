@@ -19,6 +19,8 @@ UV_MAPS_ARE_ATTRIBUTES = bpy.app.version >= (3, 5)
 HAS_BOOLEAN_LAYERS = hasattr(bmesh.types.BMLayerAccessLoop, "bool")
 #: Whether Blender has commands of add-ons (blender --command NAME).
 HAS_COMMANDS = hasattr(bpy.utils, "register_cli_command")
+#: Whether Blender shows the links of an add-on next to its preferences.
+LINKS_ADDONS = bpy.app.version < (4, 2)
 #: Whether Blender says that objects have come from another file.
 TELLS_OF_IMPORTS = hasattr(bpy.app.handlers, "blend_import_post")
 

@@ -887,6 +887,16 @@ def live_fill(w):
     yield from w.picture("live-fill")
     before = _heights(fill)
     w.home()
+    w.press("N")
+    yield
+    yield
+    region = w.region("UI")
+    yield from w.click_at(region.x + region.width - 10, region.y + region.height - 170)  # the tab
+    yield from w.picture("live-fill-listed")
+    w.home()
+    w.press("N")
+    yield
+    yield
     with w.override():
         bpy.ops.mesh.select_all(action="DESELECT")
         bm = mesh()
