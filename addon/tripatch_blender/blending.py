@@ -9,11 +9,9 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 from mathutils import Matrix, Vector
 
-from . import between_patches, blends, following, library, live, panel, properties, sentences
+from . import between_patches, blends, following, handles, library, live, panel, properties, sentences
 from .properties import OPTIONS
 
-#: Seconds without a change after which a handle rests, of which Blender does not tell.
-_RESTS = 1.0
 #: Blender sets a handle again, in single precision, wherever it draws while the mouse rests: that changes nothing.
 _SAME = 1e-6
 _METHODS = ("szilvasi_nagy_c1", "szilvasi_nagy_c0")
@@ -128,12 +126,12 @@ def tracks(ob):
 
 
 def _let_go():
-    """Of a timer: a handle rests, or was let go; what was done is a step of undo."""
+    """Of a timer, as no step of undo is made while a view is drawn."""
     bpy.ops.ed.undo_push(message=library.label("weigh_patches"))
 
 
 def handlers(k):
-    """What the handle of a weight reads and writes: its way from the start of its track."""
+    """What the handle of a weight reads and writes: its way from the start of its track. Writing says whether it is new."""
 
     def length(ob):
         start, end = tracks(ob)[k]
@@ -146,22 +144,19 @@ def handlers(k):
     def put(value):
         ob = active_blend(bpy.context)
         if ob is None or not length(ob):
-            return
+            return False
         values, limits = [*weights_of(ob)], properties.limits(OPTIONS["shape"])
         weight = min(max(value / length(ob), limits["min"]), limits["max"])
         if abs(weight - values[k]) < _SAME:
-            return
+            return False
         values[k] = weight
         set_weights(ob, values)
-        if bpy.app.timers.is_registered(_let_go):
-            bpy.app.timers.unregister(_let_go)
-        # persistent, as one that opening a file removes hangs Blender 4.5 at its end
-        bpy.app.timers.register(_let_go, first_interval=_RESTS, persistent=True)
+        return True
 
     return get, put
 
 
-class VIEW3D_GGT_tripatch_blend(bpy.types.GizmoGroup):
+class VIEW3D_GGT_tripatch_blend(handles.Arrows, bpy.types.GizmoGroup):
     """The handles of the weights of the active blend."""
 
     bl_idname = "VIEW3D_GGT_tripatch_blend"
@@ -175,15 +170,7 @@ class VIEW3D_GGT_tripatch_blend(bpy.types.GizmoGroup):
         return context.mode == "OBJECT" and active_blend(context) is not None
 
     def setup(self, _context):
-        self.arrows = []
-        for k in range(3):
-            gizmo = self.gizmos.new("GIZMO_GT_arrow_3d")
-            get, put = handlers(k)
-            gizmo.target_set_handler("offset", get=get, set=put)
-            gizmo.draw_style, gizmo.use_draw_value = "BOX", True  # pyright: ignore[reportAttributeAccessIssue]
-            gizmo.color, gizmo.alpha = (0.95, 0.75, 0.2), 0.9
-            gizmo.color_highlight, gizmo.alpha_highlight = (1, 1, 1), 1.0
-            self.arrows.append(gizmo)
+        self.arrows = [self.arrow(*handlers(k), (0.95, 0.75, 0.2)) for k in range(3)]
 
     def refresh(self, context):
         self.draw_prepare(context)
@@ -191,6 +178,8 @@ class VIEW3D_GGT_tripatch_blend(bpy.types.GizmoGroup):
     def draw_prepare(self, context):
         try:
             ob = active_blend(context)
+            if self.is_let_go():  # persistent, as a timer that opening a file removes hangs Blender 4.5 at its end
+                bpy.app.timers.register(_let_go, first_interval=0.0, persistent=True)
             for gizmo, (start, end) in zip(self.arrows, tracks(ob) if ob else ()):
                 turn = (end - start).to_track_quat("Z", "Y").to_matrix().to_4x4()
                 gizmo.matrix_basis = Matrix.Translation(start) @ turn

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import bpy
 from mathutils import Matrix, Vector
 
-from . import library, shaping
+from . import handles, library, shaping
 from .library import np
 from .shaping_view import (
     bulge_handlers,
@@ -105,7 +105,7 @@ class VIEW3D_GT_tripatch_corner(_Dot, bpy.types.Gizmo):
             changed()
 
 
-class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
+class VIEW3D_GGT_tripatch(handles.Arrows, bpy.types.GizmoGroup):
     """The handles of the hole that is being shaped."""
 
     bl_idname = "VIEW3D_GGT_tripatch"
@@ -120,7 +120,6 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
 
     def setup(self, _context):
         self.corners, self.arrows, self.middle, self.labels = [], [], None, []
-        self.pulled = False  # an arrow, and not let go yet: Blender tells of that by is_modal only
 
     def _dot(self, kind, k, color, size, highlight=(1, 1, 1)):
         gizmo: Any = self.gizmos.new(kind.bl_idname)
@@ -130,14 +129,7 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
         return gizmo
 
     def _arrow(self, get, put, color):
-        def pull(value):
-            self.pulled = put(value) or self.pulled
-
-        gizmo = self.gizmos.new("GIZMO_GT_arrow_3d")
-        gizmo.target_set_handler("offset", get=get, set=pull)
-        gizmo.draw_style, gizmo.use_draw_value = "BOX", True  # pyright: ignore[reportAttributeAccessIssue]
-        gizmo.color, gizmo.alpha = color, 0.8
-        gizmo.color_highlight, gizmo.alpha_highlight = (1, 1, 1), 1.0
+        gizmo = self.arrow(get, put, color)
         gizmo.scale_basis, gizmo.line_width = shaping.LARGE, 3.0
         return gizmo
 
@@ -168,8 +160,7 @@ class VIEW3D_GGT_tripatch(bpy.types.GizmoGroup):
             self.corners, self.arrows, self.middle, self.labels = [], [], None, []
             return
         self._make(made)
-        if self.pulled and not any(arrow.is_modal for arrow in (*self.arrows, self.middle)):
-            self.pulled = False
+        if self.is_let_go():
             let_go()
         for gizmo, place in zip(self.corners, made.corners()):
             gizmo.matrix_basis = Matrix.Translation(Vector(made.points[place]))

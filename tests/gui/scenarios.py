@@ -854,6 +854,7 @@ def blended_patches(w):
         bpy.ops.object.blend_three_patches("INVOKE_DEFAULT", True)
         for ob in surfaces:
             ob.hide_set(True)
+        bpy.ops.ed.undo_push(message="Hide")
         bpy.context.space_data.show_region_ui = True
         bpy.ops.view3d.view_all()
     yield
@@ -873,6 +874,7 @@ def blended_patches(w):
     yield
     yield
     yield
+    yield from w.picture("blend-undone")
     assert np.abs(_heights(name) - before).max() < 1e-5, "one undo step"
     assert list(bpy.data.objects[name].tripatch_lambda) == [0.5] * 3
     with w.override():
