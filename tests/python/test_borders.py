@@ -91,6 +91,8 @@ def test_join_joins_borders_within_a_distance(apart, tmp_path, capsys):
     out = tmp_path / "out.obj"
     code, text, _ = run(capsys, "fill", apart, out, "--all", "--join", 1e-3)
     assert code == 0 and text.startswith("Joined borders: 24 vertices moved\nFilled 2 holes")
+    code, text, _ = run(capsys, "fill", apart, out, "--all", "--join", 1e-12)
+    assert code == 3 and text.startswith("Joined no borders: none are within 1e-12 of each other")
 
 
 def test_what_was_joined_is_said_in_numbers():

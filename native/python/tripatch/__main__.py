@@ -184,13 +184,19 @@ def _write(args: argparse.Namespace, out: files.MeshFile) -> None:
         _say(f"{args.out}: {tripatch.Message('only_geometry_written', {'suffix': args.input.suffix})}")
 
 
+def _tell_joined(args: argparse.Namespace, joined: borders.Joined | None) -> None:
+    if joined:
+        print(words.joined(len(joined.moved[0]), len(joined.splits)))
+    elif args.join is not None:
+        print(tripatch.Message("no_borders_joined", {"distance": args.join}))
+
+
 def _copied(args: argparse.Namespace, out: files.MeshFile, left: Sequence[Any], joined: borders.Joined | None) -> int:
     """OUT is written without fills: the mesh has no hole."""
     _tell(args, [], left, out)
     _write(args, out)
     if not args.json and not args.quiet:
-        if joined:
-            print(words.joined(len(joined.moved[0]), len(joined.splits)))
+        _tell_joined(args, joined)
         print(words.nothing_to_fill([len(loop) for loop in left], _option_of_outer(args)))
     return FILLED
 
@@ -268,8 +274,7 @@ def _fill(args: argparse.Namespace) -> int:
         rims = [(fill.vertices, fill.faces, fill.rim) for fill in fills]
         bends = [] if cage_rim or limit else creases.largest(mesh.vertices, mesh.faces, rims)
         bend = max((bend for bend in bends if bend is not None), default=float("inf"))
-        if found and found.joined:
-            print(words.joined(len(found.joined.moved[0]), len(found.joined.splits)))
+        _tell_joined(args, found and found.joined)
         print(words.filled(reports, cage_rim=cage_rim, quads=len(faces), triangles=triangles, limit=limit, bend=bend))
         if left:
             print(_left_open(args, left))
