@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import struct
 import sys
 import tomllib
 import zipfile
@@ -35,6 +36,25 @@ def _machine(binary: object) -> object:
     return getattr(header, "machine_type", None) or getattr(header, "machine", None) or header.cpu_type
 
 
+def stray_frames(binary: lief.MachO.Binary) -> int:
+    """How many frames of __eh_frame begin outside the instructions, as those that the linker of LLVM 14 writes: an exception that
+    passes through one ends the program."""
+    sections = {section.name: section for section in binary.sections}
+    code = [sections[name] for name in ("__text", "__lcxx_override") if name in sections]
+    ranges = [(section.virtual_address, section.virtual_address + section.size) for section in code]
+    if "__eh_frame" not in sections:
+        return 0
+    content, start = bytes(sections["__eh_frame"].content), sections["__eh_frame"].virtual_address
+    stray, at = 0, 0
+    while at + 8 <= len(content):
+        length, kind = struct.unpack_from("<II", content, at)
+        if length and kind:  # else the end, or what several frames have in common
+            function = start + at + 8 + struct.unpack_from("<q", content, at + 8)[0]
+            stray += not any(first <= function < end for first, end in ranges)
+        at += 4 + length
+    return stray
+
+
 def module_faults(platform: Platform, python: str, content: bytes) -> list[str]:
     """What is wrong with a compiled module."""
     faults = []
@@ -59,6 +79,9 @@ def module_faults(platform: Platform, python: str, content: bytes) -> list[str]:
     if platform.system == "Windows" and not any(name.lower() == f"python{python}.dll" for name in libraries):
         faults.append(f"does not load python{python}.dll")
     if platform.system == "Darwin":
+        stray = stray_frames(binary)
+        if stray:
+            faults.append(f"has {stray} frames for exceptions that belong to no function")
         least = binary.build_version.minos if binary.has_build_version else binary.version_min.version
         if tuple(least[:2]) != MACOS:
             faults.append(f"runs from macOS {'.'.join(map(str, least))} on")

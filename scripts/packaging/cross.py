@@ -112,12 +112,12 @@ def macos_link(platform: Platform, folder: Path) -> str:
     # what libSystem exports, written for arm64e, which has the same functions
     system = (ZIG.parent / "lib" / "libc" / "darwin" / "libSystem.tbd").read_text()
     (folder / "libSystem.tbd").write_text(re.sub(r"arm64e(\.x1)?-", "arm64-", system))
-    linkers = sorted(Path("/usr/lib").glob("llvm-*/bin/ld64.lld"))
-    if not linkers:
-        sys.exit("error: ld64.lld, of Debian's package lld, is not installed")
+    linker = Path("/usr/lib/llvm-19/bin/ld64.lld")
+    if not linker.exists():
+        sys.exit("error: ld64.lld, of Debian's package lld-19, is not installed")
     oldest = platform.target.partition("macos.")[2]
     system_version = ["-platform_version", "macos", oldest, oldest]
-    command = [linkers[-1], "-arch", platform.processor, *system_version, "-bundle", "-dead_strip", "-S"]
+    command = [linker, "-arch", platform.processor, *system_version, "-bundle", "-dead_strip", "-S"]
     inputs = ["<LINK_FLAGS>", "-o", "<TARGET>", "<OBJECTS>", "<LINK_LIBRARIES>", *libraries, folder / "libSystem.tbd"]
     return (
         f'set(CMAKE_CXX_CREATE_SHARED_MODULE "{" ".join(map(str, command + inputs))}")\nunset(CMAKE_CXX_LINKER_WRAPPER_FLAG)\n'
