@@ -119,7 +119,7 @@ void bind_report(py::module_& m) {
       .def_readonly("rim_folded", &Report::rim_folded,
                     "The same of the rim's own triangulation, and of faces beyond the rim that are folded over those around "
                     "them: such a rim leaves no other way.")
-      .def_property_readonly("is_flawed", &is_flawed,
+      .def_property_readonly("is_flawed", py::overload_cast<const Report&>(&is_flawed),
                              "Whether it folds more than its rim, crosses itself or misses its boundary.")
       .def_readonly("crosses_itself", &Report::crosses_itself,
                     "Whether new faces go through each other, which every way to fill the rim that was tried does; not looked "
@@ -145,8 +145,9 @@ void bind_report(py::module_& m) {
       .def_property_readonly(
           "warnings", [](const Report& report) { return message_objects(report.warnings); },
           "What a person should know of the fill: sentences (`Message`) with a `code`.")
-      .def_readonly("not_applied", &Report::not_applied,
-                    "Options without effect, each with a code: output, method, sides, three_sides, poles, position, fairing, vertices.")
+      .def_readonly(
+          "not_applied", &Report::not_applied,
+          "Options without effect, each with a code: output, method, sides, three_sides, poles, position, fairing, vertices.")
       .def_readonly("seconds", &Report::seconds, "Time that the fill took.");
 }
 

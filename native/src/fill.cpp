@@ -483,6 +483,12 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
                                                   const std::vector<std::optional<std::vector<Index>>>& corners,
                                                   const Progress& progress, const Connectivity* connected) {
   check_creases(mesh, options.subdivision.crease_edges);
+  if (options.rim) throw CodedArgument(Code::option_of_one_hole, {{"option", "rim"}, {"other", "rims"}});
+  if (options.corners) throw CodedArgument(Code::option_of_one_hole, {{"option", "corners"}, {"other", "corners by rim"}});
+  if (corners.size() > rims.size())
+    throw CodedArgument(Code::wrong_shape, {{"name", "corners"},
+                                            {"shape", "(" + std::to_string(rims.size()) + ",)"},
+                                            {"given", "(" + std::to_string(corners.size()) + ",)"}});
   for (const Corners& each : corners) check_corners(each);
   Results results = fill_every_hole(mesh, rims, options, corners, progress, connected);
   const std::vector<std::optional<Message>> told = told_of_rims(mesh, rims);

@@ -1,6 +1,7 @@
 #include "tripatch/patch_from_sides.h"
 
 #include <optional>
+#include <string>
 
 #include "tripatch/boundary/ribbon.h"
 #include "tripatch/boundary/smoothed.h"
@@ -97,6 +98,23 @@ MadePatch patch_with_fewest_folds(const Sides& sides, const Method& method, cons
   return plain.report.folds < made.report.folds && !made.gave_up ? plain : made;
 }
 
+/// Throws where a side lacks its curve, or a field of it is not one of vectors.
+void check_fields(const Sides& sides) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Side& side = sides[i];
+    const auto check_field = [&](const char* name, const PiecewisePolynomial& field, bool needed) {
+      const int given = field.empty() ? 0 : field.dimension();
+      if (given == 3 || (given == 0 && !needed)) return;
+      throw CodedArgument(Code::wrong_shape, {{"name", "sides[" + std::to_string(i) + "]." + name},
+                                              {"shape", "(n, 3)"},
+                                              {"given", "(n, " + std::to_string(given) + ")"}});
+    };
+    check_field("c", side.c, true);
+    check_field("r", side.r, false);
+    check_field("q", side.q, false);
+  }
+}
+
 }  // namespace
 
 MadePatch patch_from_sides(const Sides& given, const FillOptions& options, const SurfacePoints* points) {
@@ -107,8 +125,11 @@ MadePatch patch_from_sides(const Sides& given, const FillOptions& options, const
   if (!method.from_boundary)
     throw CodedArgument(Code::method_of_function,
                         {{"method", options.method}, {"function", method.sides[1] == 0 ? "tripatch.fill" : "tripatch.blend"}});
+  check_fields(given);
   const Continuity continuity = resolve_continuity(options.continuity, method, given);
   const bool keeps_tangent = method.continuity != SeamContinuity::g0;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (continuity.tangent[i] && given[i].r.empty()) throw CodedRefusal(Code::side_without_planes, {{"side", i}});
   Sides sides = planes_from_rim(given, continuity.tangent);
   for (int i = 0; i < 3 && !keeps_tangent; ++i) sides[i].c = given[i].c;  // all that is met
   const std::array<bool, 3>& free = continuity.free;

@@ -176,7 +176,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::vector<std::vector<Index>> rims = find_holes(mesh.faces);
     if (!options.rim && !rims.empty()) options.rim = rims[bytes.byte() % rims.size()];
     if (several) {
-      options.rim.reset();
+      options.rim.reset(), options.corners.reset();
       for (const auto& result : fill_all(mesh, rims, options))
         if (const Fill* fill = std::get_if<Fill>(&result))
           check_fill(mesh, options, *fill);

@@ -49,8 +49,6 @@ void check_all(const Mesh& mesh, const Loop& rim) {
           if (method == spline_method && (output == Output::cage || from == SurroundingsFrom::limit || corners)) continue;
           if (corners && corners->size() > 3 && from == SurroundingsFrom::limit) continue;
           FillOptions options;
-          options.rim = rim;
-          options.corners = corners;
           options.output = output;
           options.surroundings = from;
           options.method = method;
@@ -61,6 +59,8 @@ void check_all(const Mesh& mesh, const Loop& rim) {
             INFO(std::get<Refused>(results[0]).text());
             CHECK(std::get<Refused>(results[0]).text().size() > 20);
           }
+          options.rim = rim;
+          options.corners = corners;
           try {
             const Fill alone = fill(mesh, options);
             CHECK(is_finite(alone));

@@ -27,14 +27,6 @@ void read(const char* path, tripatch::Points& vertices, tripatch::Faces& faces) 
   vertices = Eigen::Map<tripatch::Points>(coordinates.data(), static_cast<tripatch::Index>(coordinates.size() / 3), 3);
 }
 
-/// The fill's faces are numbered for this: the mesh's vertices first, then its own.
-void append(const tripatch::Fill& fill, tripatch::Points& vertices, tripatch::Faces& faces) {
-  const tripatch::Index n = vertices.rows();
-  vertices.conservativeResize(n + fill.vertices.rows(), 3);
-  vertices.bottomRows(fill.vertices.rows()) = fill.vertices;
-  for (tripatch::Index f = 0; f < fill.faces.size(); ++f) faces.add(fill.faces[f]);
-}
-
 void write(const char* path, const tripatch::Points& vertices, const tripatch::Faces& faces) {
   std::ofstream file(path);
   file.precision(9);
@@ -59,8 +51,9 @@ int main(int count, char** arguments) {
     options.fairing = tripatch::Fairing::thin_plate;  // every option is documented in tripatch/options.def
     const tripatch::Fill fill = tripatch::fill({vertices, faces}, options);
     std::printf("%d new faces; seam within %.2g deg\n", static_cast<int>(fill.faces.size()), fill.report.seam_angle_max);
-    append(fill, vertices, faces);
-    write(arguments[2], vertices, faces);
+    const tripatch::OwnMesh whole = tripatch::with_fill({vertices, faces}, fill);
+    write(arguments[2], whole.vertices, whole.faces);
+    if (tripatch::is_flawed(fill)) std::fprintf(stderr, "it folds, misses its boundary, or passes through itself or the mesh\n");
   } catch (const tripatch::Refusal& refusal) {
     std::fprintf(stderr, "%s\n", refusal.what());
     for (const tripatch::Index v : refusal.where()) std::fprintf(stderr, "vertex %d\n", static_cast<int>(v));

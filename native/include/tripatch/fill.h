@@ -1,9 +1,10 @@
-// The whole path: a hole goes in, passes through the rooms, and comes out as faces. What the rim asks for is in fill/.
+// The whole path: a hole of a mesh goes in and comes out as faces.
 #pragma once
 
 #include <array>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -36,5 +37,19 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
                                                   const FillOptions& options = {},
                                                   const std::vector<std::optional<std::vector<Index>>>& corners = {},
                                                   const Progress& progress = {}, const Connectivity* connected = nullptr);
+
+/// A mesh with arrays of its own.
+struct OwnMesh {
+  Points vertices;
+  Faces faces;
+
+  operator Mesh() const { return {vertices, faces}; }  // NOLINT(google-explicit-constructor): as of a vector to a span
+};
+/// A mesh with fills of it: its own vertices keep their numbers, those of each fill follow in order. Edges that were split have their
+/// vertex in the face beyond too, and vertices that were moved are where they went. Refused results are left out.
+/// replaced: as options.replaced, faces that are left out.
+OwnMesh with_fill(const Mesh& mesh, const Fill& fill, std::span<const Index> replaced = {});
+OwnMesh with_fills(const Mesh& mesh, const std::vector<std::variant<Fill, Refused>>& results,
+                   std::span<const Index> replaced = {});
 
 }  // namespace tripatch

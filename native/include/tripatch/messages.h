@@ -277,6 +277,7 @@ enum class Code : std::uint16_t {
   no_such_option,
   no_such_vertex,
   no_such_face,
+  offsets_not_in_order,
   no_such_edge,
   given_twice,
   corners_at_one_place,

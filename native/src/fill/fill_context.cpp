@@ -57,7 +57,7 @@ std::vector<std::optional<Vec3>> FillContext::passages_of(std::span<const Fill* 
 }
 
 std::vector<Index> loop_through(const FillContext& context, const std::vector<Index>& corners) {
-  for (std::vector<Index>& loop : border_loops(context.whole()))
+  for (std::vector<Index>& loop : border_loops(context.left))
     if (!corners.empty() && std::find(loop.begin(), loop.end(), corners[0]) != loop.end()) return std::move(loop);
   throw CodedRefusal(Code::corner_not_on_border, corners);
 }
@@ -66,7 +66,7 @@ std::vector<Index> only_hole(const FillContext& context) {
   std::vector<std::vector<Index>> loops;
   std::optional<CodedRefusal> none;  // of the shortest
   std::vector<std::vector<Index>> unclosed;
-  const std::vector<Border> borders = borders_of(context.mesh, context.whole(), border_loops(context.whole(), &unclosed));
+  const std::vector<Border> borders = borders_of(context.mesh, context.left, border_loops(context.left, &unclosed));
   for (const Border& border : borders) {
     if (border.outer) continue;
     try {
@@ -84,7 +84,7 @@ std::vector<Index> only_hole(const FillContext& context) {
 
 Hole hole_of(const FillContext& context, const std::optional<std::vector<Index>>& rim, const Corners& corners) {
   if (rim) return make_hole(context.mesh, context.left, *rim, three(corners));
-  if (!corners) return find_hole(context.mesh, context.whole());
+  if (!corners) return find_hole(context.mesh, context.left);
   return make_hole(context.mesh, context.left, loop_through(context, *corners), three(corners));
 }
 

@@ -5,6 +5,7 @@
 #include "tripatch/hole/corners.h"
 #include "tripatch/hole/outer_borders.h"
 #include "tripatch/messages.h"
+#include "tripatch/options.h"
 
 namespace tripatch {
 namespace {
@@ -22,6 +23,7 @@ int count_corners(const Mesh& mesh, const Connectivity& around, const std::vecto
 
 std::vector<std::vector<Index>> chosen_among(const std::vector<Border>& borders, const Mesh& mesh, const Connectivity& around,
                                              const HoleChoice& choice) {
+  check(choice);
   if (choice.corner_count && (*choice.corner_count)[0] > (*choice.corner_count)[1])
     throw CodedArgument(Code::corner_counts_not_in_order, {{"option", "corner_count"}});
   std::vector<std::vector<Index>> chosen;

@@ -19,6 +19,13 @@ Index vertices_named(const FacesRef& faces) {
   return n;
 }
 
+const FacesRef& checked(const FacesRef& faces) {
+  const auto& offsets = faces.offsets;
+  if (offsets.empty() || offsets.front() != 0 || offsets.back() != std::ssize(faces.corners) || !std::ranges::is_sorted(offsets))
+    throw CodedArgument(Code::offsets_not_in_order, {});
+  return faces;
+}
+
 /// How many corners every face has; 0: they differ.
 Corner common_size(const FacesRef& faces) {
   if (faces.size() == 0) return 0;
@@ -81,7 +88,7 @@ Connectivity::Connectivity(const FacesRef& faces, std::optional<Index> vertices,
 
 /// A counting sort of the corners by vertex.
 Connectivity::Connectivity(const FacesRef& faces, Index vertices, std::span<const Index> replaced, std::vector<char> known)
-    : faces_(faces), vertices_(vertices), start_(vertices + 2, 0), size_(common_size(faces)), known_(std::move(known)) {
+    : faces_(checked(faces)), vertices_(vertices), start_(vertices + 2, 0), size_(common_size(faces)), known_(std::move(known)) {
   if (faces.corners.size() >= std::numeric_limits<Corner>::max())
     throw InvalidArgument("A mesh of 2^32 corners of faces is too large");
   const Corner all = static_cast<Corner>(faces.corners.size());

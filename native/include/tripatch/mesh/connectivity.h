@@ -18,7 +18,8 @@ public:
   using Corner = std::uint32_t;
 
   /// Of a mesh without the `replaced` faces. `faces` must outlive it. vertices: how many the mesh has; none: as many as the faces name.
-  /// Throws InvalidArgument for a vertex or a face that does not exist, and where there are 2^32 corners or more.
+  /// Throws InvalidArgument for a vertex or a face that does not exist, for offsets out of order, and where there are 2^32 corners or
+  /// more.
   explicit Connectivity(const FacesRef& faces, std::optional<Index> vertices = {}, std::span<const Index> replaced = {});
   explicit Connectivity(const Mesh& mesh, std::span<const Index> replaced = {})
       : Connectivity(mesh.faces, mesh.vertices.rows(), replaced) {}

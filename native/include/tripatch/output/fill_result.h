@@ -16,7 +16,7 @@ namespace tripatch {
 /// Made once by `fill` and completed by the rooms that it passes through.
 struct Fill {
   Points vertices;                     ///< the new vertices only
-  Faces faces;                         ///< 0 .. n-1 are the mesh's own vertices, n .. are `vertices`
+  Faces faces;                         ///< 0 .. n-1 are the mesh's own vertices, n .. are `vertices`, in each of several fills
   Points normals = Points(0, 3);       ///< exact unit normals of the patch at `vertices`
   Points barycentric = Points(0, 3);   ///< of `vertices`, on a patch of three sides
   PlanePoints uv = PlanePoints(0, 2);  ///< of `vertices`, on a patch over a plane domain
@@ -48,6 +48,8 @@ struct Fill {
   std::optional<Vec3> passes_through;
 };
 
+/// Whether a fill is not what was asked for: by its report, or as it passes through the mesh.
+inline bool is_flawed(const Fill& fill) { return is_flawed(fill.report) || fill.passes_through.has_value(); }
 /// Whether all positions and normals are.
 bool is_finite(const Fill& fill);
 /// Refuses what came of numbers beyond all measure. rim: of the hole.
