@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <numbers>
-#include <set>
 
 #include "tripatch/annulus/annulus_patch.h"
 #include "tripatch/boundary/shared_planes.h"
@@ -18,6 +17,7 @@
 #include "tripatch/fill/rows_fill.h"
 #include "tripatch/fill/select.h"
 #include "tripatch/fill/triangle_fill.h"
+#include "tripatch/fill_checks.h"
 #include "tripatch/hole/extra_face.h"
 #include "tripatch/hole/near_duplicate_borders.h"
 #include "tripatch/hole/rim_checks.h"
@@ -26,7 +26,6 @@
 #include "tripatch/math/angle.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/stopwatch.h"
-#include "tripatch/mesh/edge_key.h"
 #include "tripatch/output/leaned.h"
 #include "tripatch/output/shaped.h"
 #include "tripatch/report/dihedrals.h"
@@ -199,57 +198,7 @@ Fill fill_by_method(const FillContext& context, const std::optional<std::vector<
   return fill;
 }
 
-void check_corners(const Corners& corners) {
-  if (corners && corners->size() == 1) throw CodedArgument(Code::single_corner, {});
-}
-
-/// met: whether the method is one of those.
-void check_met(const char* option, const std::vector<std::string>& methods, bool met, const FillOptions& options) {
-  if (!met)
-    throw CodedArgument(Code::option_not_of_method, {{"option", option}, {"methods", methods}, {"method", options.method}});
-  if (options.surroundings != SurroundingsFrom::mesh) throw CodedArgument(Code::option_needs_mesh, {{"option", option}});
-}
-
-void check_for_holes(const FillOptions& options) {
-  check(options);
-  check_corners(options.corners);
-  if (options.method != automatic_method && !find_method(options.method).fills_holes)
-    throw CodedArgument(Code::method_of_function, {{"method", options.method}, {"function", "tripatch.blend"}});
-  const bool meets = options.method == automatic_method || std::ranges::count(find_method(options.method).lacks, "through") == 0;
-  if (!options.through.empty()) check_met("through", {automatic_method, polygon_method, spline_method}, meets, options);
-  check_taken(options);
-  if (options.fairing == Fairing::isometric && options.surroundings == SurroundingsFrom::limit) refuse_isometric();
-  if (options.fairing == Fairing::isometric && !options.through.empty())
-    throw CodedArgument(Code::options_exclusive, {{"first", "fairing"}, {"second", "through"}});
-  if (options.cap != Cap::automatic) check_met("cap", {automatic_method}, options.method == automatic_method, options);
-  if ((options.method == spline_method || options.method == rows_method) && options.output == Output::cage)
-    throw CodedArgument(Code::method_makes_no_cages, {{"method", options.method}});
-}
-
 using Results = std::vector<std::variant<Fill, Refused>>;
-
-/// Before anything is refused that names them.
-void check_named(const Mesh& mesh, std::span<const std::vector<Index>> rims, const Corners& corners, const FillOptions& options) {
-  const Index n = mesh.vertices.rows();
-  for (const std::vector<Index>& rim : rims) check_vertices(rim, n, "rim");
-  for (const std::vector<Index>& island : options.islands) check_vertices(island, n, "islands");
-  if (corners) check_vertices(*corners, n, "corners");
-}
-
-/// Creases that are given lie on edges of the mesh.
-void check_creases(const Mesh& mesh, const std::vector<std::array<Index, 2>>& creases) {
-  if (creases.empty()) return;
-  std::set<EdgeKey> missing;
-  for (const auto& [a, b] : creases) missing.insert(edge_key(a, b));
-  for (Index f = 0; f < mesh.faces.size(); ++f) {
-    const std::span<const Index> face = mesh.faces[f];
-    for (std::size_t k = 0; k < face.size(); ++k) missing.erase(edge_key(face[k], face[(k + 1) % face.size()]));
-  }
-  if (missing.empty()) return;
-  const auto [a, b] = *missing.begin();
-  if (a < 0 || b >= mesh.vertices.rows()) return;  // told by what reads them
-  throw CodedArgument(Code::no_such_edge, {{"option", "edge_creases"}, {"first", a}, {"second", b}});
-}
 
 /// Whether a rim is taken as it comes, its edges of no length too: cages, and single methods that are requested, ask for a clean one.
 bool takes_any_rim(const FillOptions& options) {
@@ -377,8 +326,6 @@ Results fill_every_merged(const Mesh& mesh, const MergedRims& merged, const std:
 
 Results fill_every_hole(const Mesh& mesh, const std::vector<std::vector<Index>>& rims, const FillOptions& options,
                         const std::vector<Corners>& corners, const Progress& progress, const Connectivity* connected) {
-  if (options.center && rims.size() > 1)
-    throw CodedArgument(Code::option_of_one_hole, {{"option", "center"}, {"other", "center_offset"}});
   check_for_holes(options);
   check_named(mesh, rims, {}, options);
   for (const Corners& each : corners) check_named(mesh, {}, each, options);
@@ -483,13 +430,7 @@ std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::v
                                                   const std::vector<std::optional<std::vector<Index>>>& corners,
                                                   const Progress& progress, const Connectivity* connected) {
   check_creases(mesh, options.subdivision.crease_edges);
-  if (options.rim) throw CodedArgument(Code::option_of_one_hole, {{"option", "rim"}, {"other", "rims"}});
-  if (options.corners) throw CodedArgument(Code::option_of_one_hole, {{"option", "corners"}, {"other", "corners by rim"}});
-  if (corners.size() > rims.size())
-    throw CodedArgument(Code::wrong_shape, {{"name", "corners"},
-                                            {"shape", "(" + std::to_string(rims.size()) + ",)"},
-                                            {"given", "(" + std::to_string(corners.size()) + ",)"}});
-  for (const Corners& each : corners) check_corners(each);
+  check_several(rims, options, corners);
   Results results = fill_every_hole(mesh, rims, options, corners, progress, connected);
   const std::vector<std::optional<Message>> told = told_of_rims(mesh, rims);
   for (std::size_t k = 0; k < results.size(); ++k) {

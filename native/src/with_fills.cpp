@@ -1,8 +1,7 @@
-#include <algorithm>
 #include <map>
 
 #include "tripatch/fill.h"
-#include "tripatch/mesh/edge_key.h"
+#include "tripatch/mesh/changed_faces.h"
 
 namespace tripatch {
 namespace {
@@ -24,20 +23,8 @@ OwnMesh with(const Mesh& mesh, std::span<const Fill* const> fills, std::span<con
       split.emplace(edge_key(fill->split_edges[k][0], fill->split_edges[k][1]), first + static_cast<Index>(k));
     first += fill->vertices.rows();
   }
-  std::vector<bool> gone(static_cast<std::size_t>(mesh.faces.size()), false);
-  for (const Index f : replaced) gone.at(static_cast<std::size_t>(f)) = true;
+  made.faces = changed_faces(mesh.faces, replaced, split);
   std::vector<Index> face;
-  for (Index f = 0; f < mesh.faces.size(); ++f) {
-    if (gone[static_cast<std::size_t>(f)]) continue;
-    face.clear();
-    const std::span<const Index> corners = mesh.faces[f];
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-      face.push_back(corners[k]);
-      const auto at = split.find(edge_key(corners[k], corners[(k + 1) % corners.size()]));
-      if (at != split.end()) face.push_back(at->second);
-    }
-    made.faces.add(face);
-  }
   first = n;
   for (const Fill* fill : fills) {
     for (Index f = 0; f < fill->faces.size(); ++f) {

@@ -92,6 +92,7 @@ def test_join_joins_borders_within_a_distance(apart, tmp_path, capsys):
     code, text, _ = run(capsys, "fill", apart, out, "--all", "--join", 1e-3)
     assert code == 0 and text.startswith("Joined borders: 24 vertices moved\nFilled 2 holes")
     code, text, _ = run(capsys, "fill", apart, out, "--all", "--join", 1e-12)
+    assert run(capsys, "fill", apart, out, "--rim", "0,1,2", "--join", 1)[0] == 2, "nothing is joined at a boundary that is named"
     assert code == 3 and text.startswith("Joined no borders: none are within 1e-12 of each other")
 
 

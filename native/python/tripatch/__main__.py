@@ -149,6 +149,8 @@ def _options(args: argparse.Namespace) -> dict[str, Any]:
             raise WrongValue(tripatch.Message("options_exclusive", {"first": "--all", "second": name}))
         if not args.all and "fill" not in OPTIONS[name].functions:
             raise WrongValue(tripatch.Message("option_needs", {"option": name, "needed": "--all"}))
+        if args.join is not None and name == "rim":
+            raise WrongValue(tripatch.Message("options_exclusive", {"first": "--join", "second": name}))
     checked("fill_all" if args.all else "fill", {name: given for name, given in options.items() if name != "corners"})
     return options
 
@@ -184,20 +186,20 @@ def _write(args: argparse.Namespace, out: files.MeshFile) -> None:
         _say(f"{args.out}: {tripatch.Message('only_geometry_written', {'suffix': args.input.suffix})}")
 
 
-def _tell_joined(args: argparse.Namespace, joined: borders.Joined | None) -> None:
-    if joined:
-        print(words.joined(len(joined.moved[0]), len(joined.splits)))
-    elif args.join is not None:
+def _tell_joined(args: argparse.Namespace, found: borders.Holes | None) -> None:
+    if found and found.joined:
+        print(words.joined(len(found.joined.moved[0]), len(found.joined.splits)))
+    elif found and args.join is not None:
         print(tripatch.Message("no_borders_joined", {"distance": args.join}))
 
 
-def _copied(args: argparse.Namespace, out: files.MeshFile, left: Sequence[Any], joined: borders.Joined | None) -> int:
+def _copied(args: argparse.Namespace, out: files.MeshFile, found: borders.Holes) -> int:
     """OUT is written without fills: the mesh has no hole."""
-    _tell(args, [], left, out)
+    _tell(args, [], found.outer_borders, out)
     _write(args, out)
     if not args.json and not args.quiet:
-        _tell_joined(args, joined)
-        print(words.nothing_to_fill([len(loop) for loop in left], _option_of_outer(args)))
+        _tell_joined(args, found)
+        print(words.nothing_to_fill([len(loop) for loop in found.outer_borders], _option_of_outer(args)))
     return FILLED
 
 
@@ -228,7 +230,7 @@ def _fill(args: argparse.Namespace) -> int:
         if found.joined:
             out = _out(args, mesh, found.joined)
         if not found.rims and not (choosing.keys() - {"outer"} and tripatch.choose_holes(mesh.vertices, mesh.faces)):
-            return _copied(args, out, left, found.joined)
+            return _copied(args, out, found)
     if found and (args.all or (len(found.rims) - len(found.refused) <= 1 and not found.is_plain)):
         results = filling.fill_all(mesh.vertices, mesh.faces, found, progress=_progress, **options)
         holes = list(zip(results.rims, results, strict=True))
@@ -274,7 +276,7 @@ def _fill(args: argparse.Namespace) -> int:
         rims = [(fill.vertices, fill.faces, fill.rim) for fill in fills]
         bends = [] if cage_rim or limit else creases.largest(mesh.vertices, mesh.faces, rims)
         bend = max((bend for bend in bends if bend is not None), default=float("inf"))
-        _tell_joined(args, found and found.joined)
+        _tell_joined(args, found)
         print(words.filled(reports, cage_rim=cage_rim, quads=len(faces), triangles=triangles, limit=limit, bend=bend))
         if left:
             print(_left_open(args, left))

@@ -3,26 +3,12 @@
 #include <Eigen/Core>
 #include <algorithm>
 
+#include "tripatch/mesh/changed_faces.h"
 #include "tripatch/output/triangulate.h"
 #include "tripatch/patch/bezier_triangle.h"
 
 namespace tripatch {
 namespace {
-
-/// The faces at edge a b with a vertex between them.
-void insert_on_edge(Index a, Index b, Index middle, Faces& faces) {
-  Faces result;
-  for (Index f = 0; f < faces.size(); ++f) {
-    std::vector<Index> face(faces[f].begin(), faces[f].end());
-    for (std::size_t k = 0; k < face.size(); ++k)
-      if (std::minmax(face[k], face[(k + 1) % face.size()]) == std::minmax(a, b)) {
-        face.insert(face.begin() + static_cast<Index>(k) + 1, middle);
-        break;
-      }
-    result.add(face);
-  }
-  faces = std::move(result);
-}
 
 void split_crease(Index a, Index b, Index middle, Subdivision& settings) {
   for (std::size_t k = 0, count = settings.crease_edges.size(); k < count; ++k) {
@@ -65,9 +51,10 @@ QuadLayout triangle_layout(const Hole& hole, const Points& vertices) {
 }  // namespace
 
 SplitMesh split_odd_rims(const Mesh& mesh, const std::vector<SidedRim>& holes, const Subdivision& settings, bool wanted) {
-  SplitMesh split{mesh.vertices, Faces(mesh.faces), holes, {}, settings};
+  SplitMesh split{mesh.vertices, {}, holes, {}, settings};
   split.split.resize(holes.size());
   std::vector<Vec3> added;
+  std::map<EdgeKey, Index> middles;
   for (std::size_t h = 0; h < holes.size(); ++h) {
     SidedRim& hole = split.holes[h];
     if (!wanted || hole.rim.size() % 2 == 0) continue;
@@ -76,11 +63,12 @@ SplitMesh split_odd_rims(const Mesh& mesh, const std::vector<SidedRim>& holes, c
     const Index middle = mesh.vertices.rows() + static_cast<Index>(added.size());
     split.split[h] = {middle, {a, b}};
     added.push_back(0.5 * (mesh.vertices.row(a) + mesh.vertices.row(b)));
-    insert_on_edge(a, b, middle, split.faces);
+    middles.emplace(edge_key(a, b), middle);
     split_crease(a, b, middle, split.settings);
     hole.rim.insert(hole.rim.begin() + static_cast<Index>(place) + 1, middle);
     for (Index& corner : hole.corners) corner += corner > static_cast<Index>(place);
   }
+  split.faces = changed_faces(mesh.faces, {}, middles);
   const Index n = mesh.vertices.rows();
   split.vertices.conservativeResize(n + static_cast<Index>(added.size()), 3);
   for (std::size_t k = 0; k < added.size(); ++k) split.vertices.row(n + static_cast<Index>(k)) = added[k];

@@ -6,6 +6,7 @@
 #include "tripatch/hole/outer_borders.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/mesh/border_loops.h"
+#include "tripatch/mesh/changed_faces.h"
 #include "tripatch/messages.h"
 #include "tripatch/polygon/domain.h"
 #include "tripatch/report/passages.h"
@@ -48,11 +49,7 @@ std::vector<std::optional<Vec3>> FillContext::passages_of(std::span<const Fill* 
   std::optional<Subdivision> subdivision;
   if (options.surroundings == SurroundingsFrom::limit) subdivision = options.subdivision;
   if (options.replaced.empty()) return passages(mesh, looked_at, subdivision);
-  std::vector<bool> stays(mesh.faces.size(), true);
-  for (Index f : options.replaced) stays[f] = false;
-  Faces faces;
-  for (Index f = 0; f < mesh.faces.size(); ++f)
-    if (stays[f]) faces.add(mesh.faces[f]);
+  const Faces faces = changed_faces(mesh.faces, options.replaced);
   return passages({mesh.vertices, faces}, looked_at, subdivision);
 }
 

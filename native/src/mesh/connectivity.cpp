@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "tripatch/math/thresholds.h"
+#include "tripatch/mesh/changed_faces.h"
 #include "tripatch/messages.h"
 
 namespace tripatch {
@@ -41,16 +42,6 @@ Corner common_size(const FacesRef& faces) {
   throw CodedArgument(
       Code::no_such_vertex,
       {{"option", "faces[" + std::to_string(face - faces.offsets.begin() - 1) + "]"}, {"vertex", v}, {"count", vertices}});
-}
-
-std::vector<char> marked_faces(const FacesRef& faces, std::span<const Index> replaced) {
-  std::vector<char> gone(replaced.empty() ? 0 : faces.size(), 0);
-  for (Index f : replaced) {
-    if (f < 0 || f >= faces.size())
-      throw CodedArgument(Code::no_such_face, {{"option", "replaced"}, {"face", f}, {"count", faces.size()}});
-    gone[f] = 1;
-  }
-  return gone;
 }
 
 /// Of the box around a rim: what is looked at next to it at least, so that a surface that bends away is still seen. Nothing but time
