@@ -20,7 +20,6 @@
 #include "tripatch/fill_checks.h"
 #include "tripatch/hole/extra_face.h"
 #include "tripatch/hole/near_duplicate_borders.h"
-#include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/isometry/isometric_fill.h"
 #include "tripatch/math/angle.h"
