@@ -23,7 +23,7 @@ struct Cover {
   std::vector<std::array<Index, 2>> split_edges;
   std::vector<double> split_t;
   std::vector<Index> poles;  ///< rows inside where other than four quads meet
-  int rows = 0;  ///< extra rows of quads
+  int rows = 0;              ///< extra rows of quads
   Messages warnings;
 };
 
