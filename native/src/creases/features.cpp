@@ -43,11 +43,11 @@ constexpr double widest_view = 65 * one_degree;
 /// Ends that see each other with less, both together, belong together whatever else meets there (0%, 46%).
 constexpr double straight_on = 50 * one_degree;
 /// Between the faces on the same side of the two ends, once turned as the crease turns (0%, 0%).
-constexpr double same_face = 50 * one_degree;
+constexpr double same_face = angle::corner * one_degree;
 /// One end's angle over the other's, at most: a choice, for creases of the 68 are as sharp at both ends (0%, 0%).
 constexpr double same_angle = factor::strong;
 /// Of the diameter: so near to a point go the lines of creases that meet there (0%, 0%).
-constexpr double meeting_share = 0.15;
+constexpr double meeting_share = share::fifth;
 /// Of the determinant of the sum of the projections along them, 0 for one direction: less, and lines are nearly parallel. Three lines
 /// within 1.1 degrees of one direction have that (0%, 0%).
 constexpr double min_spread = share::hundredth;

@@ -21,7 +21,7 @@ constexpr double max_tilt = share::fifth;  ///< slope over the faces that is han
 constexpr int pooled = count::pair;        ///< vertices to each side that are judged together; 4%, 2%
 /// Logarithm of densities: what is near is predicted within a seventh. Less says nothing, for the first guess of a plane is made of the
 /// nearest faces themselves: where the noise is 1% of the edges, one ring seems better by 1 to 1.6.
-constexpr double by_far = 2;
+constexpr double by_far = factor::clear;
 /// Without noise: a fifth; nothing where the other is as much less certain of its plane.
 constexpr double by_some = share::half;
 /// Vertices to each side along the rim that a vertex is compared with.

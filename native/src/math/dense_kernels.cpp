@@ -19,7 +19,7 @@ namespace tripatch {
 namespace {
 
 /// Columns of a row, of a block of them, and of a product at least; rows of a Cholesky factor made at a time stay in the first cache.
-constexpr Index width = 24, block = 8, four = 4, panel = 16;
+constexpr Index width = 24, block = 8, panel = 16;
 
 /// Products as the compiler finds them.
 struct AnyRegisters {

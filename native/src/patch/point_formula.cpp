@@ -211,7 +211,7 @@ private:
     }
     for (int x = 0; x < 3; ++x) squared += normal[x] * normal[x];
     Pack over = 1.0 / square_root(squared);
-    if (any_at_least(over, 1e125) || any_at_least(squared, 1e250)) {
+    if (any_at_least(over * over, unit_overflow) || any_at_least(squared, unit_overflow)) {
       for (int lane = 0; lane < lanes; ++lane) {
         const Vec3 unit = unit_vector({normal[0][lane], normal[1][lane], normal[2][lane]});
         for (int x = 0; x < 3; ++x) normal[x][lane] = unit[x];

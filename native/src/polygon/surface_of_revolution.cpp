@@ -21,7 +21,7 @@ namespace tripatch {
 namespace {
 
 /// Caps of spheres, 20 to 85 degrees wide, are the same to 1e-9 of the radius with half as many and with twice as many.
-constexpr int profile_nodes = 24;
+constexpr int profile_nodes = count::dozens;
 /// Unknowns of the profile next to the slope at the rim: a choice.
 constexpr int height_terms = 4, radius_terms = 3, profile_unknowns = 1 + height_terms + radius_terms;
 constexpr double first_counts = 1;  ///< with 0 heights of funnels' caps are left to the bound on slopes

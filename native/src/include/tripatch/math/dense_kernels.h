@@ -24,6 +24,7 @@ using SquareOf24 = Eigen::Matrix<double, 24, 24, Eigen::RowMajor>;
 /// Adds a' a to c, of which only the lower triangle is kept up, for a (m, n) and c (n, n).
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 void add_gram(const RowMajor& a, RowMajor& c);
+inline constexpr Index four = 4;
 /// out = a b for a (4, k) and b (k, n), by rows; a row of `out` begins `stride` after the last one.
 void multiply_four(const double* a, Index k, const double* b, Index n, double* out, Index stride);
 /// out += a b for a (m, k), by rows, and three columns b (k, 3), by columns; out (m, 3) by rows.

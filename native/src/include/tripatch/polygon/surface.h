@@ -62,7 +62,8 @@ private:
         const Index from = m == 0 ? 0 : 3 * jet_size(m - 1), to = 3 * jet_size(m);
         std::copy(series.begin() + from, series.begin() + to, out + k * row + from);
       }
-      if (domain().corner_at(p, 1e-30) >= 0) std::copy_n(self.corner(near).data(), 3, out + k * row);
+      if (domain().corner_at(p, VertexSafeSurface::vertex_radius[0]) >= 0)
+        std::copy_n(self.corner(near).data(), 3, out + k * row);
     }
   }
 };

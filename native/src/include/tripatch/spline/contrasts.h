@@ -36,7 +36,6 @@ inline Eigen::MatrixXd free_monomials(const PlanePoints& c, double order) {
 
 /// a b for a (m, n) and b (n, k).
 inline Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-  constexpr Index four = 4;
   const Index m = a.rows(), n = a.cols(), k = b.cols(), padded = (k + four - 1) / four * four;
   Eigen::MatrixXd from = Eigen::MatrixXd::Zero(n, padded), out(m, padded);
   from.leftCols(k) = b;
@@ -91,7 +90,6 @@ struct Contrasts {
 private:
   /// The basis times `turned` by columns of samples, and that the other way round; above the diagonal stays what was there, or less.
   void take_from_inner(const Eigen::MatrixXd& turned) {
-    constexpr Index four = 4;
     const Index n = inner.rows();
     Eigen::MatrixXd left(n, 2 * q), taken(n, four), across(2 * q, four);
     left << basis, turned;
