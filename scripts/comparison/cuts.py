@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import copy
 import heapq
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from known_holes import inside, scattered
@@ -139,26 +139,47 @@ def cuts(name: str, vertices: np.ndarray, faces: np.ndarray, rng, sizes=SIZES, s
 # ------------------------------------------------------------------------------------------------------------ CAD-like bodies
 
 
-def _outline(rng: np.random.Generator, spacing: float, along: float) -> np.ndarray:
-    """A convex polygon whose corners are sharp or rounded, (k, 2): points this far apart on arcs, and on straight lines."""
+@dataclass
+class _Corner:
+    """Of a polygon: sharp where `start` and `end` are the same point, else an arc between them by `turn` radians."""
+
+    start: np.ndarray
+    end: np.ndarray
+    center: np.ndarray
+    turn: float = 0.0
+
+    def points(self, spacing: float) -> np.ndarray:
+        if not self.turn:
+            return self.start[None]
+        arm = self.start - self.center
+        radius = float(np.linalg.norm(arm))
+        angle = self.turn * np.linspace(0, 1, max(3, round(self.turn * radius / spacing) + 1))
+        side = radius * unit(self.end - self.center - ((self.end - self.center) @ unit(arm)) * unit(arm))
+        return self.center + np.cos(angle)[:, None] * arm + np.sin(angle)[:, None] * side
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        """From each point to the arc; infinite where an end is nearest, which is a point of a straight line too."""
+        away, middle = points - self.center, unit(self.start + self.end - 2 * self.center)
+        long = np.linalg.norm(away, axis=1)
+        faces_it = away @ middle >= np.cos(self.turn / 2) * long
+        return np.where(faces_it, np.abs(long - np.linalg.norm(self.start - self.center)), np.inf)
+
+
+def _corners(rng: np.random.Generator) -> list[_Corner]:
+    """Of a convex polygon, sharp or rounded."""
     n = rng.integers(4, 8)
     angle = 2 * np.pi * (np.arange(n) + rng.uniform(-0.25, 0.25, n)) / n
-    corners, points = np.column_stack([np.cos(angle), np.sin(angle)]), []
+    corners, made = np.column_stack([np.cos(angle), np.sin(angle)]), []
     for before, at, after in zip(np.roll(corners, 1, 0), corners, np.roll(corners, -1, 0)):
         away = [unit(p - at) for p in (before, after)]
         cut_off = rng.uniform(0.2, 0.4) * min(np.linalg.norm(p - at) for p in (before, after)) if rng.random() < 0.5 else 0.0
-        half = np.arccos(np.clip(away[0] @ away[1], -1, 1)) / 2
-        radius = cut_off * np.tan(half)
         if not cut_off:
-            points.append(at)
+            made.append(_Corner(at, at, at))
             continue
-        center = at + unit(away[0] + away[1]) * np.hypot(cut_off, radius)
-        start, end = (at + cut_off * each - center for each in away)
-        for t in np.linspace(0, 1, max(3, round((np.pi - 2 * half) * radius / spacing) + 1)):
-            turn = (np.pi - 2 * half) * t
-            side = unit(end - (end @ unit(start)) * unit(start))
-            points.append(center + radius * (np.cos(turn) * unit(start) + np.sin(turn) * side))
-    return _subdivided(np.array(points), along)
+        half = np.arccos(np.clip(away[0] @ away[1], -1, 1)) / 2
+        center = at + unit(away[0] + away[1]) * np.hypot(cut_off, cut_off * np.tan(half))
+        made.append(_Corner(at + cut_off * away[0], at + cut_off * away[1], center, np.pi - 2 * half))
+    return made
 
 
 def _subdivided(points: np.ndarray, spacing: float) -> np.ndarray:
@@ -171,17 +192,23 @@ def _subdivided(points: np.ndarray, spacing: float) -> np.ndarray:
 
 
 def _outline_and_distance(rng: np.random.Generator) -> tuple[np.ndarray, Callable]:
-    """An outline, and the signed distance to it with its exact arcs, negative inside."""
-    fine = _outline(copy.deepcopy(rng), SPACING / 40, np.inf)
+    """Of a polygon with sharp and rounded corners: points on it, and the signed distance to it, negative inside."""
+    corners = _corners(rng)
+    points = np.concatenate([corner.points(SPACING) for corner in corners])
+    fine = np.concatenate([corner.points(SPACING / 40) for corner in corners])
+    starts, ends = (np.array([getattr(corner, name) for corner in corners]) for name in ("end", "start"))
+    step = np.roll(ends, -1, 0) - starts  # the straight lines from each corner to the next
 
     def distance(points):
-        start, step = fine, np.roll(fine, -1, 0) - fine
-        away = points[:, None] - start
+        away = points[:, None] - starts
         share = np.clip((away * step).sum(2) / (step * step).sum(1), 0, 1)
         least = np.linalg.norm(away - share[..., None] * step, axis=2).min(1)
+        for corner in corners:
+            if corner.turn:
+                least = np.minimum(least, corner.distance(points))
         return np.where(inside(fine, points), -least, least)
 
-    return _outline(rng, SPACING, SPACING), distance
+    return _subdivided(points, SPACING), distance
 
 
 def prism(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, Callable]:

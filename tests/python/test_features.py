@@ -287,13 +287,28 @@ def half_cylinder(cut):
     return np.array(list(number)), np.array(faces)
 
 
-@pytest.mark.parametrize("radius", [1.5, 2.5, 3.5])
-def test_a_round_wall_and_two_flat_ones_meet_in_a_corner_inside_the_hole(radius):
-    vertices, faces = half_cylinder(12)
+def corner_filled(cut, radius):
+    """Of new vertices: which are on creases, and how far off each of the three walls all are, over the size of the hole."""
+    vertices, faces = half_cylinder(cut)
     corner, size = np.array([1, 0, 1]), radius / 6
     left = faces[np.linalg.norm(vertices[faces].mean(axis=1) - corner, axis=1) > size / 2]
     (rim,) = (rim for rim in tripatch.find_holes(left) if np.linalg.norm(vertices[rim] - corner, axis=1).max() < size)
-    new = tripatch.fill(vertices, left, rim=rim).vertices
-    off = np.abs(np.column_stack([np.hypot(new[:, 0], new[:, 1]) - 1, new[:, 1], new[:, 2] - 1])).min(axis=1)
-    assert off.max() < 2e-3 * size
-    assert np.linalg.norm(new - corner, axis=1).min() < 1e-3 * size
+    fill = tripatch.fill(vertices, left, rim=rim)
+    off = np.abs(np.column_stack([np.hypot(*fill.vertices[:, :2].T) - 1, fill.vertices[:, 1], fill.vertices[:, 2] - 1]))
+    return np.unique(fill.feature_edges[fill.feature_edges >= len(vertices)]) - len(vertices), off / size
+
+
+@pytest.mark.parametrize("radius", [1.5, 2.5, 3.5])
+def test_a_round_wall_and_two_flat_ones_meet_in_a_corner_inside_the_hole(radius):
+    _, off = corner_filled(12, radius)
+    assert off.min(axis=1).max() < 2e-3
+    assert np.linalg.norm(off, axis=1).min() < 1e-3
+
+
+@pytest.mark.parametrize("radius", [1.5, 2.5])
+def test_a_round_wall_and_a_flat_one_meet_in_an_arc_not_in_its_chords(radius):
+    on_creases, off = corner_filled(40, radius)
+    arc = off[on_creases]
+    arc = arc[(arc[:, 2] < 1e-6) & (arc[:, 1] > 1e-3)]
+    assert len(arc) > 3
+    assert arc[:, 0].max() < 1e-6

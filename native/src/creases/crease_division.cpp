@@ -17,33 +17,45 @@ namespace {
 /// creases (features.cpp) none has more than 17; with twelve their fills are as near in the mean.
 constexpr Index max_of_chain = count::dozens;
 
-/// A line through points, linear between them, and their deviations.
-class Polyline {
+/// A smooth curve through points, and their deviations, linear between them.
+class AlongCrease {
 public:
-  explicit Polyline(const WallCrease& crease) : crease_(crease), along_(crease.points.rows()) {
+  explicit AlongCrease(const WallCrease& crease)
+      : crease_(crease), curve_(smooth_through(crease.points)), along_(crease.points.rows()) {
     along_[0] = 0;
     for (Index k = 1; k < along_.size(); ++k)
       along_[k] = along_[k - 1] + (crease.points.row(k) - crease.points.row(k - 1)).norm();
   }
   double length() const { return along_[along_.size() - 1]; }
-  Points at(const Eigen::VectorXd& shares) const { return mixed(shares, crease_.points); }
-  Eigen::VectorXd deviation(const Eigen::VectorXd& shares) const { return mixed(shares, crease_.deviation); }
-
-private:
-  template <class Rows>
-  Rows mixed(const Eigen::VectorXd& shares, const Rows& rows) const {
-    Rows out(shares.size(), rows.cols());
+  Points at(const Eigen::VectorXd& shares) const {
+    Points out(shares.size(), 3);
+    const double pieces = static_cast<double>(along_.size() - 1);
     for (Index k = 0; k < shares.size(); ++k) {
-      const double place = shares[k] * length();
-      Index j = 1;
-      while (j + 1 < along_.size() && along_[j] < place) ++j;
-      const double t = (place - along_[j - 1]) / std::max(along_[j] - along_[j - 1], tolerance::tiny);
-      out.row(k) = (1 - t) * rows.row(j - 1) + t * rows.row(j);
+      const auto [piece, t] = place(shares[k]);
+      out.row(k) = curve_((static_cast<double>(piece) + t) / pieces);
+    }
+    return out;
+  }
+  Eigen::VectorXd deviation(const Eigen::VectorXd& shares) const {
+    Eigen::VectorXd out(shares.size());
+    for (Index k = 0; k < shares.size(); ++k) {
+      const auto [piece, t] = place(shares[k]);
+      out[k] = std::lerp(crease_.deviation[piece], crease_.deviation[piece + 1], t);
     }
     return out;
   }
 
+private:
+  /// Between which points a share of the length ends, and the share of the way from the first of them.
+  std::pair<Index, double> place(double share) const {
+    const double at = share * length();
+    Index j = 0;
+    while (j + 2 < along_.size() && along_[j + 1] < at) ++j;
+    return {j, (at - along_[j]) / std::max(along_[j + 1] - along_[j], tolerance::tiny)};
+  }
+
   const WallCrease& crease_;
+  PiecewisePolynomial curve_;
   Eigen::VectorXd along_;
 };
 
@@ -180,8 +192,8 @@ private:
     for (const auto& [ends, crease] : walls.creases) {
       const auto [from, to] = ends;
       const Index least = from < r && to < r && !(out_.even > 0 && !clearly_less(out_.even * 3, around_)) ? 2 : 1;
-      creases[ends] =
-          points_along(vertex(from), vertex(to), Polyline(crease), from < r ? size(from) : mean, to < r ? size(to) : mean, least);
+      creases[ends] = points_along(vertex(from), vertex(to), AlongCrease(crease), from < r ? size(from) : mean,
+                                   to < r ? size(to) : mean, least);
     }
     out_.loops.clear();
     for (const std::vector<Index>& part : walls.parts) {

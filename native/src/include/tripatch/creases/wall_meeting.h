@@ -8,12 +8,16 @@
 #include <vector>
 
 #include "tripatch/creases/wall.h"
+#include "tripatch/math/piecewise_polynomial.h"
 
 namespace tripatch {
 
+/// A smooth curve over [0, 1] through points that are even along it: two or more.
+PiecewisePolynomial smooth_through(const Points& points);
+
 /// Where two walls meet.
 struct WallCrease {
-  Points points;              ///< along it, both ends included: two of a straight one
+  Points points;              ///< even along it, both ends included: two of a straight one
   Eigen::VectorXd deviation;  ///< standard deviations across, scene units
   std::array<std::size_t, 2> walls = {};
 };
