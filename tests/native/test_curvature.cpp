@@ -4,6 +4,7 @@
 #include <numbers>
 #include <random>
 
+#include "test_curvature_jumps.h"
 #include "tripatch/constructions/methods.h"
 #include "tripatch/constructions/side_vertex.h"
 #include "tripatch/fairing/curvature.h"
@@ -11,6 +12,7 @@
 #include "tripatch/fairing/fairing.h"
 
 using namespace tripatch;
+using tripatch::testing::curvature_jump;
 
 namespace {
 

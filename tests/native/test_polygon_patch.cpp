@@ -5,6 +5,7 @@
 #include <functional>
 #include <numbers>
 
+#include "test_curvature_jumps.h"
 #include "test_refusals.h"
 #include "test_surfaces.h"
 #include "tripatch/output/polygon_cover.h"
@@ -14,6 +15,7 @@
 #include "tripatch/quads/quad_smoothing.h"
 
 using namespace tripatch;
+using tripatch::testing::curvature_jump;
 using tripatch::testing::degrees_between;
 
 namespace {

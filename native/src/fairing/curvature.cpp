@@ -156,28 +156,4 @@ SurfacePtr meet_curvature(const SurfacePtr& patch, const Sides& sides, const std
   return sum(patch, std::make_shared<Bends>(std::move(fields)));
 }
 
-std::vector<double> middles(int samples, double margin) {
-  std::vector<double> t(samples);
-  for (int k = 0; k < samples; ++k) t[k] = margin + (1 - 2 * margin) * (k + 0.5) / samples;
-  return t;
-}
-
-double largest_jump(const Side& side, std::span<const double> t, const std::vector<Across>& across) {
-  double worst = 0;
-  for (std::size_t k = 0; k < t.size(); ++k) {
-    const SideForm form = side_form(side, t[k]);
-    const double jump = std::abs(form.n.dot(across[k].second) - form(across[k].first)) / form.across(across[k].first);
-    worst = std::max(worst, jump / std::max(std::sqrt(form.squared_norm()), tolerance::tiny));
-  }
-  return worst;
-}
-
-double curvature_jump(const Surface& patch, const Sides& sides, const std::array<bool, 3>& marked, int samples, double margin) {
-  const std::vector<double> t = middles(samples, margin);
-  double worst = 0;
-  for (int i = 0; i < 3; ++i)
-    if (marked[i]) worst = std::max(worst, largest_jump(sides[i], t, derivatives_across(patch, i, t)));
-  return worst;
-}
-
 }  // namespace tripatch

@@ -264,12 +264,4 @@ std::vector<bool> curvature_agrees(const SideList& sides) {
   return agree;
 }
 
-double curvature_jump(const Surface& patch, const PolygonDomain& domain, const SideList& sides, int samples, double margin) {
-  const std::vector<double> t = middles(samples, margin);
-  double worst = 0;
-  for (int i = 0; i < domain.sides(); ++i)
-    worst = std::max(worst, largest_jump(sides[i], t, derivatives_across(patch, domain, i, t)));
-  return worst;
-}
-
 }  // namespace tripatch

@@ -97,14 +97,4 @@ std::array<bool, 3> curvature_agrees(const Sides& sides);
 /// second derivative across lacks, along the normal. Position, tangent planes and the other sides' curvature stay as they are.
 SurfacePtr meet_curvature(const SurfacePtr& patch, const Sides& sides, const std::array<bool, 3>& wanted);
 
-/// `samples` parameters from `margin` to 1 - margin, in the middles of equal parts.
-std::vector<double> middles(int samples, double margin);
-/// The largest difference of normal curvature across a side between a patch, whose derivatives across at the points t are given, and
-/// the surroundings, over the larger of the two forms' norms there.
-double largest_jump(const Side& side, std::span<const double> t, const std::vector<Across>& across);
-/// The largest difference of normal curvature across the sides marked between patch and surroundings, over the larger of the two
-/// forms' norms there, at `samples` points of each side from `margin` to 1 - margin.
-double curvature_jump(const Surface& patch, const Sides& sides, const std::array<bool, 3>& marked, int samples = 99,
-                      double margin = share::hundredth);
-
 }  // namespace tripatch

@@ -94,7 +94,5 @@ SurfacePtr meet_curvature(const SurfacePtr& patch, const PolygonDomain& domain, 
                           const std::vector<bool>& wanted);
 /// The sides that have a q and agree with their neighbors' curvature at both corners.
 std::vector<bool> curvature_agrees(const SideList& sides);
-double curvature_jump(const Surface& patch, const PolygonDomain& domain, const SideList& sides, int samples = 99,
-                      double margin = share::hundredth);
 
 }  // namespace tripatch
