@@ -1,7 +1,7 @@
 """Whether other machines make the same fills: part of a release.
 
-same_fills.py holes HOLES.npz --count 1000            generated holes
-same_fills.py fill HOLES.npz FILLS.npz                on each machine: their fills
+same_fills.py holes HOLES.npz --count 1000            generated holes; --edges 16: with so many edges at most
+same_fills.py fill HOLES.npz FILLS.npz                on each machine: their fills; --jobs 4: by so many processes
 same_fills.py compare HOLES.npz FILLS.npz OTHERS.npz  same faces, vertices within 1e-9 of the hole, or exit code 1
 
 The holes are in a file, as other systems' NumPy makes other last bits. Where vertices are farther apart, the hole is filled
@@ -11,6 +11,10 @@ here a few times more, its mesh moved by last bits: what that moves half as far 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import functools
+import itertools
+import multiprocessing
 import sys
 import time
 from collections.abc import Mapping
@@ -26,15 +30,16 @@ SAME = 1e-9  # of the hole: a hundred thousand times what a renderer shows
 MOVED = 8  # times: other compilers round otherwise at every step, each of these at the first one only
 
 
-def make(path: Path, count: int, seed: int) -> None:
-    """Half of the holes lie in faces of closed meshes, half between smooth sides."""
+def make(path: Path, count: int, seed: int, edges: int) -> None:
+    """Half of the seeds are holes in faces of closed meshes, half between smooth sides."""
     from moved_fills import hole, hole_size
 
-    arrays = {}
-    for k in range(count):
-        points, faces, rim, what = hole(seed + k, ("faces", "sides")[k % 2])
+    arrays: dict[str, object] = {}
+    every = ((at, *hole(at, ("faces", "sides")[(at - seed) % 2])) for at in itertools.count(seed))
+    wanted = (each for each in every if len(each[3]) <= edges)
+    for k, (at, points, faces, rim, what) in enumerate(itertools.islice(wanted, count)):
         arrays |= {f"{k}.points": points, f"{k}.corners": np.concatenate(faces), f"{k}.counts": [len(face) for face in faces]}
-        arrays |= {f"{k}.rim": rim, f"{k}.size": hole_size(points, rim), f"{k}.what": f"seed {seed + k}, {what}"}
+        arrays |= {f"{k}.rim": rim, f"{k}.size": hole_size(points, rim), f"{k}.what": f"seed {at}, {what}"}
     np.savez_compressed(path, count=count, **arrays)
 
 
@@ -63,25 +68,36 @@ def moved_by_rounding(holes: Mapping[str, np.ndarray], name: str, vertices: np.n
     return farthest / float(holes[name + "size"])
 
 
-def fill(path: Path, out: Path, most: int | None) -> None:
+@functools.cache
+def opened(path: Path) -> Mapping[str, np.ndarray]:
+    """For one process: processes that share an open file read what others skipped."""
+    return np.load(path)
+
+
+def filled_one(path: Path, k: int) -> dict[str, object]:
     import tripatch
 
+    holes, name = opened(path), f"{k}."
+    about: dict[str, object] = {name + "size": holes[name + "size"], name + "what": holes[name + "what"]}
+    try:
+        made = filled(holes, name, holes[name + "points"])
+    except tripatch.Refusal as refusal:
+        about |= {name + "vertices": np.zeros((0, 3)), name + "refusal": refusal.reason, name + "method": "none"}
+        return about | {name + "corners": np.zeros(0, int), name + "counts": np.zeros(0, int)}
+    about |= {name + "vertices": made.vertices, name + "refusal": "", name + "method": made.report.method}
+    return about | {name + "corners": np.concatenate(made.faces), name + "counts": [len(face) for face in made.faces]}
+
+
+def fill(path: Path, out: Path, most: int | None, jobs: int) -> None:
     with np.load(path) as holes:
         count = min(int(holes["count"]), most or sys.maxsize)
-        arrays, begun = {}, time.monotonic()
-        for k in range(count):
-            name = f"{k}."
-            try:
-                made = filled(holes, name, holes[name + "points"])
-                arrays |= {name + "vertices": made.vertices, name + "refusal": ""}
-                arrays |= {name + "corners": np.concatenate(made.faces), name + "counts": [len(face) for face in made.faces]}
-                arrays[name + "method"] = made.report.method
-            except tripatch.Refusal as refusal:
-                arrays |= {name + "vertices": np.zeros((0, 3)), name + "refusal": refusal.reason, name + "method": "none"}
-                arrays |= {name + "corners": np.zeros(0, int), name + "counts": np.zeros(0, int)}
-            arrays |= {name + "size": holes[name + "size"], name + "what": holes[name + "what"]}
-        np.savez_compressed(out, count=count, **arrays)
-        print(f"{count} fills in {time.monotonic() - begun:.0f} s")
+    arrays, begun = {}, time.monotonic()
+    with multiprocessing.Pool(jobs) if jobs > 1 else contextlib.nullcontext() as pool:
+        for k, one in enumerate((pool.imap if pool else map)(functools.partial(filled_one, path), range(count)), 1):
+            arrays |= one
+            if k % 100 == 0 or k == count:
+                print(f"{k} of {count} fills, {time.monotonic() - begun:.0f} s", flush=True)
+    np.savez_compressed(out, count=count, **arrays)
 
 
 def compare(holes_path: Path, path: Path, other_path: Path) -> int:
@@ -124,11 +140,13 @@ def main() -> int:
     parser.add_argument("files", type=Path, nargs="+", metavar="FILE.npz")
     parser.add_argument("--count", type=int, help="holes (default: 1000, or all that the file has)")
     parser.add_argument("--seed", type=int, default=0, help="of the first hole (default: 0)")
+    parser.add_argument("--edges", type=int, default=sys.maxsize, help="that a hole has at most")
+    parser.add_argument("--jobs", type=int, default=1, help="processes that fill")
     args = parser.parse_args()
     if args.command == "holes":
-        make(args.files[0], args.count or 1000, args.seed)
+        make(args.files[0], args.count or 1000, args.seed, args.edges)
     elif args.command == "fill":
-        fill(args.files[0], args.files[1], args.count)
+        fill(args.files[0], args.files[1], args.count, args.jobs)
     else:
         return min(compare(*args.files), 1)
     return 0
