@@ -79,7 +79,7 @@ def test_the_code_of_each_page_runs_by_itself(page):
 
 @pytest.mark.usefixtures("checkout")
 def test_the_commands_of_the_tutorial_print_what_it_says(capsys):
-    text = TUTORIAL.read_text()
+    text = TUTORIAL.read_text(encoding="utf-8")
     commands = re.findall(r"^    env/bin/(tripatch .+)$", text, re.MULTILINE)
     assert [main(shlex.split(command)[1:]) for command in commands] == [0, 0]
     printed = re.search(r"The first command prints\n\n((?:    .+\n)+)", text)[1]
