@@ -6,7 +6,7 @@ import datetime
 import platform
 import subprocess
 import textwrap
-from collections import defaultdict
+from collections import Counter, defaultdict
 from pathlib import Path
 
 import numpy as np
@@ -242,9 +242,11 @@ A program joins by a command that reads a mesh with a hole and writes it filled,
 def page(results: dict) -> str:
     named, rows = results["holes"], [row for row in results["holes"].values() if len(fillers_of([row])) > 1]
     versions = "; ".join(f"{name} {version}" for name, version in results["versions"].items())
-    some = f" of {results['of']} holes, some of each set." if len(rows) < results["of"] else " holes."
-    tried = f" {len(rows)}{some}"
+    some = f" of {results['of']} holes, some of each set." if len(named) < results["of"] else " holes."
+    tried = f" {len(named)}{some}"
+    refused = Counter(failed for row in named.values() if (failed := row["fillers"][OURS].get("failed")))
     lines = ["# Comparison with other programs: HoleBench", "", written_by("holebench", results) + tried, ""]
+    lines += [f"Left out are {count} that TriPatch refused: *{reason}.*\n" for reason, count in refused.items()]
     lines += [f"Other programs: {versions}.", *(f"Skipped: {line}." for line in results["skipped"]), ""]
     lines += [
         *summary(rows),
