@@ -219,6 +219,13 @@ def test_quads_in_a_round_rim_are_rings_about_a_grid(edges, profile):
     assert says(one.report, "one_triangle") == (edges % 2 == 1)
 
 
+def test_corners_in_a_round_rim_say_where_rows_of_quads_begin_and_nothing_is_told_of_them():
+    vertices, faces = revolved("sphere", 24)
+    given = {"rim": np.arange(24), "corners": (0, 5, 12, 17)}
+    assert tripatch.fill(vertices, faces, output="quads", **given).report.warnings == []
+    assert says(tripatch.fill(vertices, faces, method="multi_sided", **given).report, "straight_corner")  # triangles need none
+
+
 @pytest.mark.parametrize("profile", ["tube", "cone", "sphere"])
 def test_quads_in_a_round_rim_are_as_large_as_its_own(profile):
     """At the end of a tube they were nearly three times as large."""
