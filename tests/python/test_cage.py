@@ -5,7 +5,7 @@ import pytest
 import tripatch
 from codes import refused, says
 from shapes import bevelled_corner, corner_removed, cube, cube_sphere, octant
-from tripatch import _arrays, _native
+from tripatch import _arrays, _native, words
 
 
 def closed(vertices, faces, fill, replaced=()):
@@ -393,3 +393,18 @@ def test_cages_are_the_same_side_by_side_and_one_after_the_other():
     for rim, fill in zip(rims, together, strict=True):
         (alone,) = tripatch.fill_all(vertices, faces, [rim], output="cage")
         assert alone.vertices.tobytes() == fill.vertices.tobytes() and np.array_equal(alone.faces, fill.faces)
+
+
+def test_what_is_not_fitted_to_a_patch_has_no_distance_to_one():
+    n = 12
+    x, y = np.meshgrid(np.linspace(-1, 1, n + 1), np.linspace(-1, 1, n + 1), indexing="ij")
+    vertices = np.column_stack([x.ravel(), y.ravel(), (0.3 * x * x - 0.2 * y * y).ravel()])
+    gone = {(i, j) for i in range(4, 8) for j in range(4, 8)} - {(4, 4), (7, 7)}  # a staircase, which patches do not like
+    at = lambda i, j: i * (n + 1) + j  # noqa: E731
+    quads = [(i, j) for i in range(n) for j in range(n) if (i, j) not in gone]
+    faces = [[at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)] for i, j in quads]
+    fill = tripatch.fill(vertices, faces, rim=min(tripatch.find_holes(faces), key=len), output="cage")
+    assert fill.report.cage_in_rows
+    assert fill.report.cage_deviation_max == fill.report.cage_deviation_rms == 0 < fill.report.surroundings_moved_max
+    told = str(words.filled([fill.report], cage_rim="smooth", quads=len(fill.faces)))
+    assert "patch" not in told and "surroundings moved" in told

@@ -70,7 +70,6 @@ _REPORTED = {
     "warnings": None,
     "codes": None,
 }
-_OF_CAGES = ("cage_deviation_max", "surroundings_moved_max")
 _HOLE = {
     "object": None,
     "hole": None,
@@ -138,8 +137,7 @@ def of_hole(settings: Settings, name: str, result: Any = None, **values: Any) ->
 def reported(report: dict[str, Any]) -> dict[str, Any]:
     """What a line says of a fill's report."""
     values = {name: report.get(name) for name in _REPORTED}
-    cage = report.get("cage_deviation_max")
-    return values | {"fairing": report.get("fairing") or None} | ({} if cage else dict.fromkeys(_OF_CAGES))
+    return values | {name: values[name] or None for name in ("fairing", "cage_deviation_max", "surroundings_moved_max")}
 
 
 def outcome(holes: list[dict[str, Any]]) -> dict[str, Any]:
