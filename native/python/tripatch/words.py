@@ -84,11 +84,12 @@ def filled(
     said: dict[str, Any] = {"count": len(reports)}
     if cage_rim:
         said["quads"] = quads
+        off = max(report.cage_deviation_max for report in reports)  # 0: none was fitted to a patch
         moved = max(report.surroundings_moved_max for report in reports)
-        if off := max(report.cage_deviation_max for report in reports):  # 0: none was fitted to a patch
-            said |= {"distance": length(off), "moved": length(moved)}
-        elif moved:
-            said["around"] = length(moved)
+        if off:
+            said["distance"] = length(off)
+        if off or moved:
+            said["moved"] = length(moved)
         if cage_rim == "exact":
             said["seam"] = degrees(seam_angle(reports))
         return Message("cages_filled", said)

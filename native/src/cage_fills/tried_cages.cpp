@@ -309,6 +309,7 @@ void TriedCages::complete() {
     if (follows_) cages_.report_energies(h, report);
     if (placed_) fills_[h].known_error = placed_error_;
     if (kept[h]) report.folds = 0;  // of a patch that the cage is not fitted to
+    // Nor is a distance to it of interest, unless a tolerance for that was given.
     if (kept[h] && !options_.tolerance) report.cage_deviation_max = report.cage_deviation_rms = 0;
     complete_report(holes_[h], options_, report);
     if (named_ || options_.tolerance) tell_distance(cages_.tolerance(h), report);

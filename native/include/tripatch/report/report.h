@@ -85,8 +85,7 @@ struct Report {
   Index folds = 0;             ///< of the patch, see FoldCounter
   std::vector<Index> corners;  ///< vertex indices: three, or those given for a rim of any number
   // Cages, scene units. Their seam angles are those between the limit surfaces on both sides of the rim.
-  double cage_deviation_max =
-      0;  ///< fill's limit surface to the patch; 0 also if it is not fitted to that, but to what is around
+  double cage_deviation_max = 0;  ///< fill's limit surface to the patch that it is fitted to; 0: to none
   double cage_deviation_rms = 0;
   double surroundings_moved_max = 0;  ///< the old limit surface within the first two rings
   double surroundings_moved_rms = 0;
