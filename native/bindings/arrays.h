@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -19,10 +21,19 @@ namespace py = pybind11;
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using IndexArray = py::array_t<tripatch::Index, py::array::c_style | py::array::forcecast>;
+using ShortIndexArray = py::array_t<std::int32_t, py::array::c_style | py::array::forcecast>;
 
-/// The arrays themselves, which must outlive it.
-inline tripatch::FacesRef faces_from(const IndexArray& offsets, const IndexArray& corners) {
-  return {{offsets.data(), static_cast<std::size_t>(offsets.size())}, {corners.data(), static_cast<std::size_t>(corners.size())}};
+/// The arrays themselves, which must outlive it. corners: of 32 or 64 bits, one after another in memory.
+inline tripatch::FacesRef faces_from(const IndexArray& offsets, const py::array& corners) {
+  const auto size = static_cast<std::size_t>(corners.size());
+  tripatch::FacesRef faces{{offsets.data(), static_cast<std::size_t>(offsets.size())}, {}};
+  if (py::isinstance<IndexArray>(corners))
+    faces.corners = std::span(static_cast<const tripatch::Index*>(corners.data()), size);
+  else if (py::isinstance<ShortIndexArray>(corners))
+    faces.corners = std::span(static_cast<const std::int32_t*>(corners.data()), size);
+  else
+    throw py::type_error("corners must be one row of int32 or int64");
+  return faces;
 }
 
 inline Eigen::Map<const tripatch::Points> rows_of(const Array& a) { return {a.data(), a.shape(0), 3}; }

@@ -61,7 +61,7 @@ void bind_attributes(py::module_& m) {
         return out;
       });
   m.def("_vertex_normals",
-        [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const Array& corner_normals) {
+        [](const Array& vertices, const IndexArray& offsets, const py::array& corners, const Array& corner_normals) {
           const FacesRef faces = faces_from(offsets, corners);
           const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
           return array_from(vertex_normals({points, faces}, points_from(corner_normals)));

@@ -13,7 +13,7 @@
 /// A mesh in arrays of Python, with what is found of it once for several questions.
 class ConnectedMesh {
 public:
-  ConnectedMesh(Array vertices, IndexArray offsets, IndexArray corners)
+  ConnectedMesh(Array vertices, IndexArray offsets, py::array corners)
       : vertices_(std::move(vertices)),
         offsets_(std::move(offsets)),
         corners_(std::move(corners)),
@@ -38,7 +38,8 @@ public:
 
 private:
   Array vertices_;
-  IndexArray offsets_, corners_;
+  IndexArray offsets_;
+  py::array corners_;
   tripatch::Mesh mesh_;
   tripatch::Connectivity around_;
   std::optional<std::vector<std::vector<tripatch::Index>>> loops_;

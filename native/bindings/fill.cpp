@@ -39,7 +39,7 @@ void bind_fill(py::module_& m) {
       .def_readonly("report", &Fill::report)
       .def_property_readonly("passes_through", [](const Fill& fill) { return place(fill.passes_through); });
 
-  m.def("_fill", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const py::dict& options,
+  m.def("_fill", [](const Array& vertices, const IndexArray& offsets, const py::array& corners, const py::dict& options,
                     const py::object& progress) {
     const FillOptions o = fill_options(options);
     const FacesRef faces = faces_from(offsets, corners);
@@ -48,7 +48,7 @@ void bind_fill(py::module_& m) {
     interruptibly([&] { filled = fill({points, faces}, o); }, progress);
     return filled;
   });
-  m.def("_fill_all", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+  m.def("_fill_all", [](const Array& vertices, const IndexArray& offsets, const py::array& corners,
                         const std::vector<std::vector<Index>>& rims, const py::dict& options,
                         const std::vector<std::optional<std::vector<Index>>>& rim_corners, const py::object& progress,
                         const ConnectedMesh* connected) {

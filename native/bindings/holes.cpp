@@ -78,7 +78,7 @@ bool looks_within(const ConnectedMesh& connected, const std::vector<std::vector<
 
 void bind_borders(py::module_& m) {
   py::class_<ConnectedMesh> connected_mesh(m, "ConnectedMesh");
-  define_constructor<Array, IndexArray, IndexArray>(connected_mesh, [](Array vertices, IndexArray offsets, IndexArray corners) {
+  define_constructor<Array, IndexArray, py::array>(connected_mesh, [](Array vertices, IndexArray offsets, py::array corners) {
     return ConnectedMesh(std::move(vertices), std::move(offsets), std::move(corners));
   });
   connected_mesh.def("borders", [](ConnectedMesh& connected) { return listed(connected.loops()); })
@@ -131,7 +131,7 @@ void bind_borders(py::module_& m) {
 }
 
 void bind_passages(py::module_& m) {
-  m.def("_passages_of_faces", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+  m.def("_passages_of_faces", [](const Array& vertices, const IndexArray& offsets, const py::array& corners,
                                  const std::vector<Index>& fill_of_face, const std::optional<Subdivision>& subdivision) {
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
@@ -149,7 +149,7 @@ void bind_holes(py::module_& m) {
   bind_borders(m);
   bind_passages(m);
   m.attr("surrounding_rings") = max_rings + 1;
-  m.def("_find_holes", [](const IndexArray& offsets, const IndexArray& corners) {
+  m.def("_find_holes", [](const IndexArray& offsets, const py::array& corners) {
     const FacesRef faces = faces_from(offsets, corners);
     std::vector<std::vector<Index>> loops;
     {
@@ -158,7 +158,7 @@ void bind_holes(py::module_& m) {
     }
     return listed(loops);
   });
-  m.def("_find_corners", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+  m.def("_find_corners", [](const Array& vertices, const IndexArray& offsets, const py::array& corners,
                             const std::vector<Index>& rim, const std::vector<Index>& replaced, bool any_number) {
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
@@ -174,14 +174,14 @@ void bind_holes(py::module_& m) {
     }
     return found;
   });
-  m.def("_is_outer_border", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+  m.def("_is_outer_border", [](const Array& vertices, const IndexArray& offsets, const py::array& corners,
                                const std::vector<Index>& rim, bool of_sheet) {
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     py::gil_scoped_release release;
     return is_outer_border({points, faces}, rim, of_sheet);
   });
-  m.def("_mesh_sides", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+  m.def("_mesh_sides", [](const Array& vertices, const IndexArray& offsets, const py::array& corners,
                           const std::vector<Index>& rim, const std::array<Index, 3>& at) {
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);

@@ -8,7 +8,7 @@
 using namespace tripatch;
 
 void bind_limit(py::module_& m) {
-  m.def("_sample_limit", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+  m.def("_sample_limit", [](const Array& vertices, const IndexArray& offsets, const py::array& corners,
                             const Subdivision& settings, Index first_face, int level) {
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
@@ -30,8 +30,8 @@ void bind_limit(py::module_& m) {
       .def_readwrite("vertex_creases", &Subdivision::vertex_creases)
       .def_readwrite("loose_vertices", &Subdivision::loose_vertices);
   py::class_<LimitSurface> limit_surface(m, "LimitSurface");
-  define_constructor<const Array&, const IndexArray&, const IndexArray&, const Subdivision&, const std::vector<Index>&>(
-      limit_surface, [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners, const Subdivision& settings,
+  define_constructor<const Array&, const IndexArray&, const py::array&, const Subdivision&, const std::vector<Index>&>(
+      limit_surface, [](const Array& vertices, const IndexArray& offsets, const py::array& corners, const Subdivision& settings,
                         const std::vector<Index>& around) {
         const FacesRef faces = faces_from(offsets, corners);
         const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
@@ -47,7 +47,7 @@ void bind_limit(py::module_& m) {
           for (const Vec3* v : {&j.p, &j.pu, &j.pv, &j.puu, &j.puv, &j.pvv}) to = std::copy_n(v->data(), 3, to);
         return out;
       });
-  m.def("limit_points", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners) {
+  m.def("limit_points", [](const Array& vertices, const IndexArray& offsets, const py::array& corners) {
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
     py::gil_scoped_release release;

@@ -60,7 +60,7 @@ py::list candidates_of(const Report& report) {
   return out;
 }
 
-py::tuple triangles_with_faces(const Array& vertices, const IndexArray& offsets, const IndexArray& corners) {
+py::tuple triangles_with_faces(const Array& vertices, const IndexArray& offsets, const py::array& corners) {
   const FacesRef faces = faces_from(offsets, corners);
   const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
   std::array<std::vector<Index>, 2> made;

@@ -49,7 +49,7 @@ void bind_smooth_triangles(py::module_& m) {
             return patches;
           },
           "A Patch for every triangle, corners in its order; of `tripatch.network` only.");
-  m.def("_network", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+  m.def("_network", [](const Array& vertices, const IndexArray& offsets, const py::array& corners,
                        const std::vector<std::array<Index, 2>>& edges, const std::vector<Side>& sides, int resolution) {
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
@@ -57,7 +57,7 @@ void bind_smooth_triangles(py::module_& m) {
     interruptibly([&] { made = network({points, faces}, edges, sides, resolution); });
     return made;
   });
-  m.def("_smooth_triangles", [](const Array& vertices, const IndexArray& offsets, const IndexArray& corners,
+  m.def("_smooth_triangles", [](const Array& vertices, const IndexArray& offsets, const py::array& corners,
                                 const std::optional<Array>& normals, int resolution, NormalCurve curve, bool keep) {
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);

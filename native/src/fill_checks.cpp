@@ -67,7 +67,7 @@ void check_creases(const Mesh& mesh, const std::vector<std::array<Index, 2>>& cr
   std::set<EdgeKey> missing;
   for (const auto& [a, b] : creases) missing.insert(edge_key(a, b));
   for (Index f = 0; f < mesh.faces.size(); ++f) {
-    const std::span<const Index> face = mesh.faces[f];
+    const IndicesRef face = mesh.faces[f];
     for (std::size_t k = 0; k < face.size(); ++k) missing.erase(edge_key(face[k], face[(k + 1) % face.size()]));
   }
   if (missing.empty()) return;

@@ -24,7 +24,7 @@ using Triangle = std::array<Index, 3>;
 std::vector<Triangle> checked_triangles(const Mesh& mesh) {
   std::vector<Triangle> triangles(mesh.faces.size());
   for (Index f = 0; f < mesh.faces.size(); ++f) {
-    const std::span<const Index> face = mesh.faces[f];
+    const IndicesRef face = mesh.faces[f];
     for (Index v : face)
       if (v < 0 || v >= mesh.vertices.rows())
         throw CodedArgument(Code::no_such_vertex,

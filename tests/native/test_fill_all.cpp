@@ -1,6 +1,7 @@
 // Many holes on all cores. scripts/sanitize runs what is tagged [parallel] under the thread sanitizer too.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdint>
 
 #include "tripatch/fill.h"
 #include "tripatch/mesh/border_loops.h"
@@ -85,6 +86,19 @@ TEST_CASE("the sides of a long rim, estimated at the same time, and many triangl
     CHECK(first.vertices == second.vertices);
     CHECK(first.normals == second.normals);
     CHECK(first.report.seam_angle_max == second.report.seam_angle_max);
+  }
+}
+
+TEST_CASE("corners of faces may have 32 bits") {
+  const Sieve sieve(16, 3);
+  const std::vector<std::int32_t> few(sieve.faces.corners.begin(), sieve.faces.corners.end());
+  const FillOptions options;
+  const auto wide = fill_all({sieve.points, sieve.faces}, sieve.rims, options);
+  const auto narrow = fill_all({sieve.points, {sieve.faces.offsets, few}}, sieve.rims, options);
+  REQUIRE(wide.size() == narrow.size());
+  for (std::size_t k = 0; k < wide.size(); ++k) {
+    CHECK(std::get<Fill>(wide[k]).vertices == std::get<Fill>(narrow[k]).vertices);
+    CHECK(std::get<Fill>(wide[k]).faces.corners == std::get<Fill>(narrow[k]).faces.corners);
   }
 }
 

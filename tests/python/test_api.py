@@ -300,6 +300,26 @@ def test_quads(resolution):
         assert len(fill.faces) == 48
 
 
+@pytest.mark.parametrize("kind", [np.int32, np.int16, np.uint32, np.uint8])
+def test_faces_of_any_integers_are_those_of_64_bits_and_the_compiled_core_reads_32_as_they_are(kind):
+    vertices, faces, rim = octant(2)
+    wide, given = np.array(faces, np.int64), np.array(faces, kind)
+    assert np.array_equal(given, wide)
+    a, b = tripatch.fill(vertices, wide), tripatch.fill(vertices, given)
+    assert np.array_equal(a.vertices, b.vertices) and np.array_equal(a.faces, b.faces)
+    for a, b in zip(tripatch.fill_holes(vertices, wide)[:2], tripatch.fill_holes(vertices, given)[:2], strict=True):
+        assert np.array_equal(a, b)
+    assert [list(loop) for loop in tripatch.find_holes(given)] == [list(loop) for loop in tripatch.find_holes(wide)]
+    corners = tripatch._arrays.mesh(vertices, given)[2]
+    assert np.shares_memory(corners, given) == (kind == np.int32)
+    for wrong in (len(vertices), -1):
+        if np.iinfo(kind).min <= wrong <= np.iinfo(kind).max:
+            bad = given.copy()
+            bad[1, 2] = wrong
+            with pytest.raises(ValueError, match=rf"faces\[1\].*{wrong}"):
+                tripatch.fill(vertices, bad)
+
+
 def test_quads_round_an_odd_rim():
     vertices, faces, rim = octant(5)
     split = tripatch.fill(vertices, faces, rim=rim, method="side_vertex", output="quads", resolution=0)

@@ -2,8 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <compare>
 #include <cstddef>
+#include <cstdint>
+#include <iterator>
 #include <limits>
+#include <ranges>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -36,13 +40,86 @@ public:
   using std::invalid_argument::invalid_argument;
 };
 
+/// Vertex indices that somebody else owns, of 64 bits or of 32.
+class IndicesRef {
+public:
+  class Iterator {
+  public:
+    using value_type = Index;
+    using difference_type = std::ptrdiff_t;
+    using reference = Index;
+    using pointer = void;
+    using iterator_category = std::random_access_iterator_tag;
+    Iterator() = default;
+    Iterator(const void* data, bool is_short, std::ptrdiff_t at) : data_(data), is_short_(is_short), at_(at) {}
+    Index operator*() const { return (*this)[0]; }
+    Index operator[](std::ptrdiff_t k) const {
+      return is_short_ ? static_cast<const std::int32_t*>(data_)[at_ + k] : static_cast<const Index*>(data_)[at_ + k];
+    }
+    Iterator& operator+=(std::ptrdiff_t by) { return at_ += by, *this; }
+    Iterator& operator-=(std::ptrdiff_t by) { return at_ -= by, *this; }
+    Iterator& operator++() { return *this += 1; }
+    Iterator& operator--() { return *this -= 1; }
+    Iterator operator++(int) { return std::exchange(*this, *this + 1); }
+    Iterator operator--(int) { return std::exchange(*this, *this - 1); }
+    friend Iterator operator+(Iterator it, std::ptrdiff_t by) { return it += by; }
+    friend Iterator operator+(std::ptrdiff_t by, Iterator it) { return it += by; }
+    friend Iterator operator-(Iterator it, std::ptrdiff_t by) { return it -= by; }
+    friend std::ptrdiff_t operator-(const Iterator& a, const Iterator& b) { return a.at_ - b.at_; }
+    bool operator==(const Iterator& other) const { return at_ == other.at_; }
+    auto operator<=>(const Iterator& other) const { return at_ <=> other.at_; }
+
+  private:
+    const void* data_ = nullptr;
+    bool is_short_ = false;
+    std::ptrdiff_t at_ = 0;
+  };
+
+  IndicesRef() = default;
+  // NOLINTBEGIN(google-explicit-constructor): as of a vector to a span
+  IndicesRef(std::span<const Index> indices) : data_(indices.data()), size_(indices.size()) {}
+  IndicesRef(std::span<const std::int32_t> indices) : data_(indices.data()), size_(indices.size()), is_short_(true) {}
+  IndicesRef(const std::vector<Index>& indices) : IndicesRef(std::span(indices)) {}
+  IndicesRef(const std::vector<std::int32_t>& indices) : IndicesRef(std::span(indices)) {}
+  // NOLINTEND(google-explicit-constructor)
+
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  Iterator begin() const { return {data_, is_short_, 0}; }
+  Iterator end() const { return begin() + static_cast<std::ptrdiff_t>(size_); }
+  Index operator[](std::size_t k) const { return begin()[static_cast<std::ptrdiff_t>(k)]; }
+  Index front() const { return (*this)[0]; }
+  Index back() const { return (*this)[size_ - 1]; }
+  /// use(span of the indices as they are).
+  template <class Use>
+  decltype(auto) visit(const Use& use) const {
+    return is_short_ ? use(std::span(static_cast<const std::int32_t*>(data_), size_))
+                     : use(std::span(static_cast<const Index*>(data_), size_));
+  }
+  IndicesRef subspan(std::size_t first, std::size_t count) const {
+    return visit([&](auto indices) { return IndicesRef(indices.subspan(first, count)); });
+  }
+
+private:
+  const void* data_ = nullptr;
+  std::size_t size_ = 0;
+  bool is_short_ = false;
+};
+
+}  // namespace tripatch
+
+template <>
+inline constexpr bool std::ranges::enable_borrowed_range<tripatch::IndicesRef> = true;
+
+namespace tripatch {
+
 /// Faces of any size by vertex index, in arrays that somebody else owns: face f has corners[offsets[f]] .. corners[offsets[f + 1] - 1].
 struct FacesRef {
   std::span<const Index> offsets;
-  std::span<const Index> corners;
+  IndicesRef corners;
 
   Index size() const { return static_cast<Index>(offsets.size()) - 1; }
-  std::span<const Index> operator[](Index f) const {
+  IndicesRef operator[](Index f) const {
     return corners.subspan(static_cast<std::size_t>(offsets[f]), static_cast<std::size_t>(offsets[f + 1] - offsets[f]));
   }
 };
@@ -58,8 +135,11 @@ struct Faces {
   operator FacesRef() const { return {offsets, corners}; }  // NOLINT(google-explicit-constructor): as of a vector to a span
 
   Index size() const { return static_cast<Index>(offsets.size()) - 1; }
-  std::span<const Index> operator[](Index f) const { return FacesRef(*this)[f]; }
-  void add(std::span<const Index> face) {
+  std::span<const Index> operator[](Index f) const {
+    return {corners.data() + offsets[f], static_cast<std::size_t>(offsets[f + 1] - offsets[f])};
+  }
+  template <class Indices>
+  void add(const Indices& face) {
     corners.insert(corners.end(), face.begin(), face.end());
     offsets.push_back(static_cast<Index>(corners.size()));
   }

@@ -106,7 +106,7 @@ def faces(value: Any) -> tuple[Array, Array]:
             raise WrongType(Message("not_indices", {"name": "faces", "given": str(value.dtype)}))
         if value.ndim != 2 or value.shape[1] < 3:
             raise wrong_shape("faces", "(m, 3) or (m, 4)", value.shape)
-        corners = np.ascontiguousarray(value, dtype=np.int64).reshape(-1)
+        corners = np.ascontiguousarray(value, value.dtype if value.dtype == np.int32 else np.int64).reshape(-1)
         return np.arange(0, corners.size + 1, value.shape[1], dtype=np.int64), corners
     wrong = wrong_type("faces", "ndarray | Sequence[Sequence[int]]", value)
     if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
@@ -203,7 +203,7 @@ def mesh(vertices: ArrayLike, face_list: Faces) -> tuple[Array, Array, Array]:
     """Vertices, offsets and corners; ValueError when a face names a vertex that does not exist."""
     v = points(vertices)
     offsets, corners = faces(face_list)
-    if corners.size and corners.view(np.uint64).max() >= len(v):  # negative ones are the largest
+    if corners.size and corners.view(f"u{corners.itemsize}").max() >= len(v):  # negative ones are the largest
         place = int(np.argmax((corners < 0) | (corners >= len(v))))
         face = int(np.searchsorted(offsets, place, "right")) - 1
         raise no_such_vertex(f"faces[{face}]", int(corners[place]), len(v))

@@ -57,7 +57,7 @@ private:
   std::vector<Vec3> points_;
 };
 
-void sample_triangle(SharedPoints& points, std::span<const Index> face, Index f, int steps, Faces& faces) {
+void sample_triangle(SharedPoints& points, const IndicesRef& face, Index f, int steps, Faces& faces) {
   const auto vertex = [&](int i, int j) {
     const SharedPoints::Key key = j == 0           ? SharedPoints::on_edge(face[0], face[1], i, steps)
                                   : i == 0         ? SharedPoints::on_edge(face[0], face[2], j, steps)
@@ -74,7 +74,7 @@ void sample_triangle(SharedPoints& points, std::span<const Index> face, Index f,
 }
 
 /// A quad is one block; an n-gon has a block at each corner, half as wide.
-void sample_polygon(SharedPoints& points, std::span<const Index> face, Index f, int steps, Faces& faces) {
+void sample_polygon(SharedPoints& points, const IndicesRef& face, Index f, int steps, Faces& faces) {
   const Index size = static_cast<Index>(face.size());
   const bool quad = size == 4;
   const int blocks = quad ? 1 : static_cast<int>(size), width = quad ? steps : std::max(1, steps / 2);

@@ -134,7 +134,7 @@ private:
     for (const Index v : rim_)
       for (const Connectivity::Corner c : around_.at(v)) {
         const Index f = around_.face(c);
-        const std::span<const Index> face = mesh_.faces[f];
+        const IndicesRef face = mesh_.faces[f];
         for (std::size_t k = 0; k < face.size(); ++k) {
           const Index a = face[k], b = face[(k + 1) % face.size()];
           const auto beyond = on_rim(a) || on_rim(b) ? std::nullopt : around_.edge(b, a);
@@ -147,7 +147,7 @@ private:
     return true;
   }
   Vec3 middle(Index face) const {
-    const std::span<const Index> corners = mesh_.faces[face];
+    const IndicesRef corners = mesh_.faces[face];
     Vec3 sum = Vec3::Zero();
     for (const Index v : corners) sum += point(v);
     return sum / static_cast<double>(corners.size());
@@ -238,7 +238,7 @@ private:
     std::vector<Index> piece = {face};
     seen.add(face);
     for (std::size_t next = 0; next < piece.size(); ++next) {
-      const std::span<const Index> corners = mesh_.faces[piece[next]];
+      const IndicesRef corners = mesh_.faces[piece[next]];
       for (std::size_t k = 0; k < corners.size(); ++k) {
         const Index a = corners[k], b = corners[(k + 1) % corners.size()];
         if (std::ranges::binary_search(*sharp_, edge_key(a, b))) continue;

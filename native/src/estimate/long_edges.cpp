@@ -39,7 +39,7 @@ using Lines = std::vector<FaceLine>;
 template <class Use>
 void for_lines(const Faces& faces, const Use& use) {
   for (Index f = 0; f < faces.size(); ++f) {
-    const std::span<const Index> face = faces[f];
+    const IndicesRef face = faces[f];
     for (std::size_t k = 0; k < face.size(); ++k) use(face[k], face[k + 1 < face.size() ? k + 1 : 0], f, false);
     for (std::size_t k = 2; k + 1 < face.size(); ++k) use(face[0], face[k], f, true);
   }
@@ -71,7 +71,7 @@ public:
   Flatness(const Points& points, const Faces& faces, const Lines& lines) : beside_(faces.size()), normals_(faces.size(), 3) {
     std::vector<bool> is_needle(faces.size());
     for (Index f = 0; f < faces.size(); ++f) {
-      const std::span<const Index> face = faces[f];
+      const IndicesRef face = faces[f];
       beside_[f] = static_cast<int>(face.size()) - 3;
       normals_.row(f).setZero();
       if (face.size() != 3) continue;

@@ -94,7 +94,7 @@ private:
   Index quads_across(Index place) const {
     Index from = place, to = (place + 1) % r_, count = 0;
     while (const std::optional<Connectivity::Corner> corner = quads_.edge(from, to)) {
-      const std::span<const Index> face = quads_.faces()[quads_.face(*corner)];
+      const IndicesRef face = quads_.faces()[quads_.face(*corner)];
       const Index at = quads_.place(*corner);
       from = face[(at + 3) % 4];
       to = face[(at + 2) % 4];

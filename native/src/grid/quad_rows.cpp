@@ -23,7 +23,7 @@ std::vector<Index> row_beyond(const Connectivity& around, const std::vector<Inde
     if (!around.knows(row[k]) || !around.knows(row[k + 1])) return {};
     const std::optional<Connectivity::Corner> corner = around.edge(row[k + 1], row[k]);
     if (!corner) return {};
-    const std::span<const Index> face = around.faces()[around.face(*corner)];
+    const IndicesRef face = around.faces()[around.face(*corner)];
     if (face.size() != 4) return {};
     const Index place = around.place(*corner);
     const Index beyond_this = face[(place + 2) % 4], beyond_next = face[(place + 3) % 4];

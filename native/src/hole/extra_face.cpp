@@ -18,14 +18,14 @@ namespace {
 /// rough rims bend. A choice.
 constexpr double one_surface_cos = share::half;
 
-Vec3 middle_of_corners(const Mesh& mesh, std::span<const Index> face) {
+Vec3 middle_of_corners(const Mesh& mesh, const IndicesRef& face) {
   Vec3 sum = Vec3::Zero();
   for (const Index v : face) sum += Vec3(mesh.vertices.row(v));
   return sum / static_cast<double>(face.size());
 }
 
 /// Whether a face continues from one edge as another, on its other side, comes to it.
-bool goes_straight_on(const Mesh& mesh, std::span<const Index> face, std::span<const Index> other, Index a, Index b) {
+bool goes_straight_on(const Mesh& mesh, const IndicesRef& face, const IndicesRef& other, Index a, Index b) {
   const Vec3 from = mesh.vertices.row(a), along = (Vec3(mesh.vertices.row(b)) - from).stableNormalized();
   const auto across = [&](const Vec3& way) -> Vec3 { return (way - way.dot(along) * along).stableNormalized(); };
   const Vec3 out = across(middle_of_corners(mesh, face) - from), in = across(from - middle_of_corners(mesh, other));
@@ -54,7 +54,7 @@ std::vector<Ear> ears_of(const Mesh& mesh, std::span<const std::vector<Index>> r
       place.try_emplace(rims[r][k], std::array{static_cast<Index>(r), static_cast<Index>(k)});
   std::vector<Ear> ears;
   for (Index f = 0; f < mesh.faces.size(); ++f) {
-    const std::span<const Index> face = mesh.faces[f];
+    const IndicesRef face = mesh.faces[f];
     const auto is_on_rim = [&](Index v) { return v >= 0 && std::cmp_less(v, on_rim.size()) && on_rim[v]; };
     if (face.size() < 3 || !std::ranges::all_of(face, is_on_rim)) continue;
     const auto first = place.find(face[0]);
@@ -82,7 +82,7 @@ std::vector<std::optional<Message>> told_of_extra_faces(const Mesh& mesh, std::s
   for (const Ear& ear : ears) by_edge[edge_key(ear.a, ear.b)].push_back(&ear);
   const Index n = mesh.vertices.rows();
   for (Index f = 0; f < mesh.faces.size() && !ears.empty(); ++f) {
-    const std::span<const Index> face = mesh.faces[f];
+    const IndicesRef face = mesh.faces[f];
     if (std::ranges::any_of(face, [&](Index v) { return v < 0 || v >= n; })) continue;
     for (std::size_t k = 0; k < face.size(); ++k) {
       const Index a = face[k], b = face[(k + 1) % face.size()];
@@ -92,7 +92,7 @@ std::vector<std::optional<Message>> told_of_extra_faces(const Mesh& mesh, std::s
       for (const Ear* ear : found->second) {
         std::optional<Message>& said = told[static_cast<std::size_t>(ear->rim)];
         if (ear->face == f || said || goes_straight_on(mesh, mesh.faces[ear->face], face, a, b)) continue;
-        const std::span<const Index> extra = mesh.faces[ear->face];
+        const IndicesRef extra = mesh.faces[ear->face];
         said = Message{Code::extra_face, {}, {extra.begin(), extra.end()}};
       }
     }

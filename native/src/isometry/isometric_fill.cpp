@@ -44,7 +44,7 @@ Sheet sheet_of(const Mesh& mesh, const Connectivity& around, const Fill& fill) {
     add_fan(face, sheet.fill);
   }
   for (Index f : rings_around(around, fill.rim, unrolled_rings).all_faces()) {
-    const std::span<const Index> corners = mesh.faces[f];
+    const IndicesRef corners = mesh.faces[f];
     std::vector<Index> face;
     for (std::size_t k = 0; k < corners.size(); ++k) {
       face.push_back(row(corners[k]));

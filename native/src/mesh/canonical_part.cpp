@@ -54,7 +54,7 @@ private:
   void take(Connectivity::Corner c) {
     const Index f = around_.face(c);
     if (!faces.add(f)) return;
-    const std::span<const Index> face = around_.faces()[f];
+    const IndicesRef face = around_.faces()[f];
     const std::size_t n = face.size(), at = static_cast<std::size_t>(around_.place(c));
     first.push_back(c);
     for (std::size_t k = 0; k < n; ++k) {

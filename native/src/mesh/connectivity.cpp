@@ -15,9 +15,11 @@ namespace {
 using Corner = Connectivity::Corner;
 
 Index vertices_named(const FacesRef& faces) {
-  Index n = 0;
-  for (Index v : faces.corners) n = std::max(n, v + 1);
-  return n;
+  return faces.corners.visit([](auto corners) {
+    Index n = 0;
+    for (Index v : corners) n = std::max(n, v + 1);
+    return n;
+  });
 }
 
 const FacesRef& checked(const FacesRef& faces) {
@@ -82,9 +84,10 @@ Connectivity::Connectivity(const FacesRef& faces, Index vertices, std::span<cons
     : faces_(checked(faces)), vertices_(vertices), start_(vertices + 2, 0), size_(common_size(faces)), known_(std::move(known)) {
   if (faces.corners.size() >= std::numeric_limits<Corner>::max())
     throw InvalidArgument("A mesh of 2^32 corners of faces is too large");
-  const Corner all = static_cast<Corner>(faces.corners.size());
+  const IndicesRef corners = faces.corners;
+  const Corner all = static_cast<Corner>(corners.size());
   for (Corner c = 0; c < all; ++c)
-    if (static_cast<std::uint64_t>(faces.corners[c]) >= static_cast<std::uint64_t>(vertices)) refuse_vertex(faces, c, vertices);
+    if (static_cast<std::uint64_t>(corners[c]) >= static_cast<std::uint64_t>(vertices)) refuse_vertex(faces, c, vertices);
   if (size_ == 0) {
     face_.resize(all);
     for (Index f = 0; f < faces.size(); ++f)
@@ -93,7 +96,7 @@ Connectivity::Connectivity(const FacesRef& faces, Index vertices, std::span<cons
   const std::vector<char> gone = marked_faces(faces, replaced);
   std::vector<Corner> few;  // the corners at known vertices
   for (Corner c = 0; c < all && !known_.empty(); ++c)
-    if (known_[faces.corners[c]]) few.push_back(c);
+    if (known_[corners[c]]) few.push_back(c);
   const auto each_corner = [&](auto&& use) {
     const auto use_left = [&](Corner c) {
       if (gone.empty() || !gone[face(c)]) use(c);
@@ -107,10 +110,10 @@ Connectivity::Connectivity(const FacesRef& faces, Index vertices, std::span<cons
     }
   };
   // counted two places on, summed to starts one place on, which the filling moves to where they belong
-  each_corner([&](Corner c) { ++start_[faces_.corners[c] + 2]; });
+  each_corner([&](Corner c) { ++start_[corners[c] + 2]; });
   for (Index v = 0; v < vertices; ++v) start_[v + 2] += start_[v + 1];
   corners_ = std::make_unique_for_overwrite<Corner[]>(start_[vertices + 1]);
-  each_corner([&](Corner c) { corners_[start_[faces_.corners[c] + 1]++] = c; });
+  each_corner([&](Corner c) { corners_[start_[corners[c] + 1]++] = c; });
 }
 
 Connectivity Connectivity::around(const Mesh& mesh, std::span<const Index> vertices, int rings, std::span<const Index> replaced) {

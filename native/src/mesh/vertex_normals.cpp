@@ -16,7 +16,7 @@ Vec3 unit(const Vec3& v) {
 }  // namespace
 
 Vec3 area_vector(const Mesh& mesh, Index f) {
-  const std::span<const Index> face = mesh.faces[f];
+  const IndicesRef face = mesh.faces[f];
   const Vec3 p = mesh.vertices.row(face[0]);
   Vec3 area = Vec3::Zero();
   for (std::size_t k = 1; k + 1 < face.size(); ++k)
@@ -35,7 +35,7 @@ Points vertex_normals(const Mesh& mesh, const PointsRef& corner_normals) {
   Points normals = Points::Zero(mesh.vertices.rows(), 3);
   const auto at = [&](Index v) -> Vec3 { return mesh.vertices.row(v); };
   for (Index f = 0; f < mesh.faces.size(); ++f) {
-    const std::span<const Index> face = mesh.faces[f];
+    const IndicesRef face = mesh.faces[f];
     const std::size_t n = face.size();
     const Vec3 own = unit(area_vector(mesh, f));
     for (std::size_t k = 0; k < n; ++k) {

@@ -71,12 +71,12 @@ public:
   }
 
   /// A face, or a piece of it. face: its vertices; own: its fill.
-  void look(std::span<const Index> face, std::span<const Vec3> corners, Index own = -1) {
+  void look(const IndicesRef& face, std::span<const Vec3> corners, Index own = -1) {
     find_near(box_around(corners), near_);
     for (const std::size_t k : near_) look_at(k, face, corners, own);
   }
   /// A face of no fill. near: all triangles that it meets, and perhaps others.
-  void look_among(std::span<const std::size_t> near, std::span<const Index> face, std::span<const Vec3> corners) {
+  void look_among(std::span<const std::size_t> near, const IndicesRef& face, std::span<const Vec3> corners) {
     const BoxTree::Box box = box_around(corners);
     for (const std::size_t k : near)
       if (triangles_[k].box.intersects(box)) look_at(k, face, corners, -1);
@@ -97,7 +97,7 @@ private:
     return box;
   }
 
-  void look_at(std::size_t k, std::span<const Index> face, std::span<const Vec3> corners, Index own) {
+  void look_at(std::size_t k, const IndicesRef& face, std::span<const Vec3> corners, Index own) {
     const FlatTriangle& of_fill = triangles_[k];
     std::optional<Vec3>& place = found[of_fill.fill];
     if (place || of_fill.fill == own || shares_vertex(face, of_fill.fill)) return;
@@ -105,7 +105,7 @@ private:
       if (const auto other = flat_triangle({corners[0], corners[c - 1], corners[c]}, own)) place = place_through(*other, of_fill);
   }
 
-  bool shares_vertex(std::span<const Index> face, Index fill) const {
+  bool shares_vertex(const IndicesRef& face, Index fill) const {
     return std::ranges::any_of(face, [&](Index v) { return std::ranges::binary_search(vertices_[fill], v); });
   }
 
@@ -131,7 +131,7 @@ std::vector<Index> in_order(std::vector<Index> vertices) {
 }
 
 /// Into the vector, which keeps its memory from face to face.
-void corners_of(const PointsRef& vertices, const PointsRef& added, std::span<const Index> face, std::vector<Vec3>& corners) {
+void corners_of(const PointsRef& vertices, const PointsRef& added, const IndicesRef& face, std::vector<Vec3>& corners) {
   corners.clear();
   const Index n = vertices.rows();
   for (Index v : face) corners.push_back(v < n ? vertices.row(v) : added.row(v - n));
@@ -273,7 +273,7 @@ std::vector<std::optional<Vec3>> passages(const Mesh& mesh, std::span<const Fill
         take(fill, fills[fill].faces[k]);
       }
   };
-  each_face([&](Index fill, std::span<const Index>) { add_triangles(corners, fill, triangles); });
+  each_face([&](Index fill, const IndicesRef&) { add_triangles(corners, fill, triangles); });
   BoxTree::Box box;
   for (const FlatTriangle& each : triangles) box.extend(each.box);
   for (const FillFaces& fill : fills) rims.push_back(in_order({fill.rim.begin(), fill.rim.end()}));
@@ -282,7 +282,7 @@ std::vector<std::optional<Vec3>> passages(const Mesh& mesh, std::span<const Fill
     look_at_limit(mesh, std::vector<Index>(mesh.faces.size(), -1), *subdivision, passages);
   else
     look_at_mesh(mesh, box, passages);
-  if (fills.size() > 1) each_face([&](Index fill, std::span<const Index> face) { passages.look(face, corners, fill); });
+  if (fills.size() > 1) each_face([&](Index fill, const IndicesRef& face) { passages.look(face, corners, fill); });
   return passages.found;
 }
 

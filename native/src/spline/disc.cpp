@@ -149,7 +149,7 @@ private:
     return length;
   }
 
-  void cut(std::span<const Index> face) {
+  void cut(const IndicesRef& face) {
     const std::size_t n = face.size();
     if (n < 3) return;
     if (n == 3) {

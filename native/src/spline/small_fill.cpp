@@ -41,7 +41,7 @@ TwoRings two_rings(const Connectivity& around, const std::vector<Index>& rim) {
     near.faces.erase(std::unique(near.faces.begin(), near.faces.end()), near.faces.end());
     std::vector<Index> found;
     for (const Index f : near.faces) {
-      const std::span<const Index> face = around.faces()[f];
+      const IndicesRef face = around.faces()[f];
       found.insert(found.end(), face.begin(), face.end());
     }
     std::sort(found.begin(), found.end());
@@ -76,7 +76,7 @@ std::optional<Frame> frame_of(const Mesh& mesh, const Connectivity& around, cons
   std::vector<Vec3> areas;  // zero of needles
   Vec3 sum = Vec3::Zero();
   for (const Index f : near.faces) {
-    const std::span<const Index> face = mesh.faces[f];
+    const IndicesRef face = mesh.faces[f];
     const Vec3 first = mesh.vertices.row(face[0]);
     Vec3 area = Vec3::Zero();
     for (std::size_t k = 2; k < face.size(); ++k)
@@ -92,7 +92,7 @@ std::optional<Frame> frame_of(const Mesh& mesh, const Connectivity& around, cons
   const auto is_within = [&](const Vec3& a, const Vec3& b) { return a.dot(b) >= min_cosine * a.norm() * b.norm(); };
   for (std::size_t k = 0; k < areas.size(); ++k) {
     if (!is_within(areas[k], frame.normal)) return {};
-    const std::span<const Index> face = mesh.faces[near.faces[k]];
+    const IndicesRef face = mesh.faces[near.faces[k]];
     for (std::size_t i = 0; i < face.size(); ++i) {
       const auto beyond = around.edge(face[(i + 1) % face.size()], face[i]);
       if (!beyond) continue;
