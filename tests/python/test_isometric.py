@@ -154,8 +154,8 @@ def angles_along_rim(points, faces, fill):
 def test_isometric_fill_of_a_bent_sheet_has_less_than_half_the_strain(name):
     flat, vertices, faces = sheet_with_hole(SHEETS[name])
     strain, seam = {}, {}
-    for fairing in ("auto", "isometric"):
-        fill, points = filled(vertices, faces, fairing=fairing)
+    for fairing, method in (("auto", "polyharmonic_spline"), ("isometric", "auto")):  # not the cone itself
+        fill, points = filled(vertices, faces, fairing=fairing, method=method)
         assert fill.report.triangles_folded == 0 and not fill.report.crosses_itself
         strain[fairing] = metric_strain(points, np.asarray(fill.faces), ring(faces, fill.rim), inside_of(fill, flat))
         seam[fairing] = np.sqrt(np.mean(np.square(angles_along_rim(points, faces, fill))))

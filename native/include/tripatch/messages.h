@@ -236,12 +236,17 @@ enum class Code : std::uint16_t {
   has_planes_already,
   sides_requested,
   planes_not_better,
+  no_smooth_spline,
+  is_known_well,
+  not_on_quadric,
+  lies_on_quadric,
   other_does_not_fold,
   other_does_not_cross,
   // Ways to fill a hole that share a method
   lower_cap,
   flat_wall,
   planes_of_patch,
+  on_quadric,
   folded_patch,
   flat_fill,
   // Why a cage is not used

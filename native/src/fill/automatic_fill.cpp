@@ -8,6 +8,7 @@
 
 #include "tripatch/constructions/methods.h"
 #include "tripatch/creases/walls.h"
+#include "tripatch/estimate/quadric.h"
 #include "tripatch/fill/any_rim_fill.h"
 #include "tripatch/fill/found_sides.h"
 #include "tripatch/fill/polygon_fill.h"
@@ -18,11 +19,15 @@
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
 #include "tripatch/math/angle.h"
+#include "tripatch/math/linear.h"
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
 #include "tripatch/report/dihedrals.h"
+#include "tripatch/report/folded_triangles.h"
+#include "tripatch/spline/averaged_models.h"
 #include "tripatch/spline/plane_fill.h"
+#include "tripatch/spline/plane_patch.h"
 
 namespace tripatch {
 
@@ -75,6 +80,7 @@ struct FillProblem {
   bool is_of_revolution = false;               ///< the surroundings of a round rim
   std::optional<std::pair<Fill, bool>> patch;  ///< once it is made, and whether it is of revolution
   std::optional<Fill> early_spline;            ///< if it was made before the patch
+  std::optional<Quadric> quadric;              ///< that the surroundings lie on, once it is asked for
 
 private:
   Fill spline_anew() const { return fill_any_rim(context, rim, sides_->of_spline, sides_->options); }
@@ -107,6 +113,7 @@ bool wants_patch(FillProblem& problem) {
 }
 
 const Tried& patch_in(const TriedFills& tried) { return tried[1]; }
+const Tried& spline_in(const TriedFills& tried) { return tried[4]; }
 
 Reason skip_rows(FillProblem& problem, const TriedFills&) {
   const FillOptions& options = problem.options;
@@ -289,7 +296,7 @@ Fill make_spline(FillProblem& problem, const TriedFills& tried) {
 
 /// The spline with the tangent planes of a patch that is not valid itself, if they are known better.
 Reason skip_spline_with_planes(FillProblem& problem, const TriedFills& tried) {
-  const Tried &patch = patch_in(tried), &spline = tried.back();
+  const Tried &patch = patch_in(tried), &spline = spline_in(tried);
   if (!patch.fill || is_valid(patch.row.quality)) return Message{Code::has_planes_already};
   if (asks_for_sides(problem.sides().options)) return Message{Code::sides_requested};
   const bool better = spline.fill && patch.fill->report.surroundings_error < spline.fill->report.surroundings_error;
@@ -299,6 +306,61 @@ Reason skip_spline_with_planes(FillProblem& problem, const TriedFills& tried) {
 Fill make_spline_with_planes(FillProblem& problem, const TriedFills& tried) {
   Fill fill = fill_with_planes_of(problem.context, *patch_in(tried).fill, problem.sides().options);
   fill.report.method_reason = why_spline(problem, tried);
+  return fill;
+}
+
+double longest_edge(const FillProblem& problem) {
+  double longest = 0;
+  const Points rim = problem.context.mesh.vertices(problem.loop, Eigen::all);
+  for (Index k = 0; k < rim.rows(); ++k) longest = std::max(longest, (rim.row(k) - rim.row((k + 1) % rim.rows())).norm());
+  return longest;
+}
+
+/// Vertices of the surroundings that tell of a quadric: those that the spline follows.
+Points samples_around(const FillProblem& problem) {
+  const Disc disc =
+      disc_to_sample(problem.context.mesh, problem.context.left, {problem.loop}, reach_share * problem.size, count::rings);
+  return with_points_on_edges(disc, disc.points);
+}
+
+/// Vertices on a quadric that the surroundings lie on, where nothing else is known to what nobody sees.
+Reason skip_quadric(FillProblem& problem, const TriedFills& tried) {
+  const Tried &spline = spline_in(tried), *const best = best_of(tried);
+  const bool as_it_comes = !wants_patch(problem) && is_continuity_open(problem.options);
+  const bool is_smooth = spline.fill && spline.fill->deviation.size() > 0 && spline.fill->feature_edges.empty();
+  if (!as_it_comes || !is_smooth || !is_valid(spline.row.quality)) return Message{Code::no_smooth_spline};
+  if (best->row.quality.expected_error <= tolerance::close * problem.size) return Message{Code::is_known_well};
+  const Fill& fill = *spline.fill;
+  problem.quadric = Quadric::through(samples_around(problem));
+  if (!problem.quadric) return Message{Code::not_on_quadric};
+  const Points vertices = problem.quadric->nearest(fill.vertices);
+  const double edge = longest_edge(problem);
+  const double off = root_mean_square(problem.quadric->deviation(vertices, edge));
+  return unless(off <= tolerance::same * problem.size, Code::not_on_quadric);
+}
+
+Fill make_on_quadric(FillProblem& problem, const TriedFills& tried) {
+  const FillContext& context = problem.context;
+  const Quadric& quadric = *problem.quadric;
+  Fill fill = *spline_in(tried).fill;
+  const Points rim = context.mesh.vertices(fill.rim, Eigen::all), vertices = quadric.nearest(fill.vertices);
+  const auto oriented = [&](const Points& at, const Points& before) -> Points {
+    const Points normals = quadric.normals(at);
+    return normals.array().colwise() * normals.cwiseProduct(before).rowwise().sum().array().sign();
+  };
+  fill.normals = oriented(vertices, fill.normals);
+  fill.rim_normals = oriented(rim, fill.rim_normals);
+  const PlanePoints places = stacked(fill.rim_uv, fill.uv);
+  const Points change = stacked(rim, vertices) - fill.patch->positions(as_rows(places));
+  const double edge = longest_edge(problem);
+  const SurfacePtr moved = through_vertices(places, change, rim.rows(), edge);
+  if (!moved) throw CodedRefusal(Code::not_on_quadric, problem.loop);
+  fill.patch = std::make_shared<PlanePatch>(sum(fill.patch, moved), fill.rim_uv);
+  fill.vertices = vertices;
+  fill.deviation = quadric.deviation(vertices, edge);
+  fill.report.deviation_max = fill.deviation.maxCoeff();
+  measure_faces(context.mesh, fill.vertices, fill.faces, faces_beyond(context.mesh, context.left, {problem.loop}), fill.report);
+  fill.report.method_reason = Message{Code::lies_on_quadric};
   return fill;
 }
 
@@ -327,7 +389,7 @@ Fill make_flat(FillProblem& problem, const TriedFills&) {
   return fill;
 }
 
-/// All ways to fill a hole, the cheapest first. The patch is the second: the others ask for it (see patch_in).
+/// All ways to fill a hole, the cheapest first. The patch is the second, the spline the fifth: others ask for them (see patch_in, spline_in).
 constexpr std::array strategies = {
     Strategy{rows_method, {}, skip_rows, make_rows},
     Strategy{polygon_method, {}, skip_patch, make_patch},
@@ -335,6 +397,7 @@ constexpr std::array strategies = {
     Strategy{spline_method, Code::flat_wall, skip_lid, make_lid},
     Strategy{spline_method, {}, skip_spline, make_spline},
     Strategy{spline_method, Code::planes_of_patch, skip_spline_with_planes, make_spline_with_planes},
+    Strategy{spline_method, Code::on_quadric, skip_quadric, make_on_quadric},
     Strategy{polygon_method, Code::folded_patch, skip_folded, make_folded},
     Strategy{spline_method, Code::flat_fill, skip_flat, make_flat},
 };
