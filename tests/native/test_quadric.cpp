@@ -1,4 +1,4 @@
-// Quadrics through points: known surfaces, what points cannot tell, and what is told of noise.
+// Quadrics through points: known surfaces, what points cannot tell, and the stated deviation under noise.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>

@@ -45,11 +45,13 @@ class IndicesRef {
 public:
   class Iterator {
   public:
+    // NOLINTBEGIN(readability-identifier-naming): the standard library's
     using value_type = Index;
     using difference_type = std::ptrdiff_t;
     using reference = Index;
     using pointer = void;
     using iterator_category = std::random_access_iterator_tag;
+    // NOLINTEND(readability-identifier-naming)
     Iterator() = default;
     Iterator(const void* data, bool is_short, std::ptrdiff_t at) : data_(data), is_short_(is_short), at_(at) {}
     Index operator*() const { return (*this)[0]; }

@@ -319,7 +319,7 @@ double longest_edge(const FillProblem& problem) {
 /// Vertices of the surroundings that tell of a quadric: those that the spline follows.
 Points samples_around(const FillProblem& problem) {
   const Disc disc =
-      disc_to_sample(problem.context.mesh, problem.context.left, {problem.loop}, reach_share * problem.size, count::rings);
+      disc_to_sample(problem.context.mesh, problem.context.left, {problem.loop}, reach_share * problem.size, rings_followed);
   return with_points_on_edges(disc, disc.points);
 }
 

@@ -267,7 +267,7 @@ bool look_farther(const Mesh& mesh, const Connectivity& around, const std::vecto
                   const FieldOptions& fields, const PlaneFillOptions& options, Disc& disc, Attempt& result) {
   const auto between = [&](double low, double x, double high) { return low * rim.edge < x && x < high * rim.edge; };
   if (!between(min_noise, result.field->noise(), too_rough) || !between(-1, result.left_by_reference, detail)) return false;
-  Disc wide = disc_to_sample(mesh, around, loops, noisy_reach_share * rim.diameter, max_rings);
+  Disc wide = disc_to_sample(mesh, around, loops, noisy_reach_share * rim.diameter, rings_followed);
   if (wide.rings <= disc.rings) return false;
   std::optional<Attempt> next = attempt(wide, rim, spread_samples(wide, rim.edge), fields, options, &result, detail * rim.edge);
   if (!next || !stays_near(next->made.points, rim)) return false;

@@ -68,7 +68,7 @@ struct Way {
 PlaneFill likeliest(const Mesh& mesh, const Connectivity& around, const std::vector<std::vector<Index>>& loops,
                     const PlaneFillOptions& options, const PlaneRim& rim, Work& work, PlaneFill best) {
   const std::array<Way, 4> ways = {
-      Way{reach_share, max_rings, FieldOptions().orders, {}}, Way{0, 2, {2, 3}, Message{Code::two_rings_followed}},
+      Way{reach_share, rings_followed, FieldOptions().orders, {}}, Way{0, 2, {2, 3}, Message{Code::two_rings_followed}},
       Way{0, 1, {2}, Message{Code::one_ring_followed}}, Way{0, 0, of_rim_alone, Message{Code::rim_alone_followed}}};
   const Connectivity& continued = options.continued ? *options.continued : around;
   const bool finer = is_finer(rim, options);  // the surface is that of triangles like the rim's, which bend in far less time

@@ -18,7 +18,7 @@ namespace tripatch {
 /// Surroundings as far as this share of the hole's diameter: with 0.5 the fills of scanned and modelled meshes are no nearer, and cost
 /// more.
 constexpr double reach_share = share::quarter;
-constexpr int max_rings = count::rings;
+constexpr int rings_followed = count::rings;
 
 /// Where long rims are not seen from above, the fill in their layouts has a third of the rim in so many edges inside: its triangles would be ten times those
 /// of the rings. Of six caps of a sphere, 60 degrees, rims of 600 to 1,050 edges that are jagged by 0.01 and 0.02, with 10, 40 and 200
