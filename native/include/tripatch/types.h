@@ -110,8 +110,10 @@ private:
 
 }  // namespace tripatch
 
+/// @cond
 template <>
 inline constexpr bool std::ranges::enable_borrowed_range<tripatch::IndicesRef> = true;
+/// @endcond
 
 namespace tripatch {
 
