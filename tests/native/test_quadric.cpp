@@ -63,10 +63,11 @@ TEST_CASE("what lies on a quadric tells it to rounding, also where nothing was k
     const Points there = sampled(surface, 0, 0.4, 50, 0.05, 2), moved = quadric->nearest(there);
     for (Index k = 0; k < moved.rows(); ++k) CHECK(std::abs(surface.off(taken_back(moved.row(k)))) < 1e-10);
     CHECK(quadric->deviation(moved, 0.1).maxCoeff() < 1e-6);
-    const Points normals = quadric->normals(moved);
+    const Points normals = quadric->normals(moved, there - moved);
     for (Index k = 0; k < moved.rows(); ++k) {
       const Vec3 way = there.row(k) - moved.row(k);
       CHECK(way.cross(Vec3(normals.row(k))).norm() < 0.2 * way.norm() + 1e-9);
+      CHECK(way.dot(Vec3(normals.row(k))) >= 0);
     }
   }
 }

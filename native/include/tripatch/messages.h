@@ -183,6 +183,7 @@ enum class Code : std::uint16_t {
   two_sides_tell_less,
   lower_cap_fails,
   patch_would_fold,
+  not_on_quadric,
   // Why a way to fill a hole is used
   requested,
   has_smooth_sides,
@@ -238,7 +239,6 @@ enum class Code : std::uint16_t {
   planes_not_better,
   no_smooth_spline,
   is_known_well,
-  not_on_quadric,
   lies_on_quadric,
   other_does_not_fold,
   other_does_not_cross,

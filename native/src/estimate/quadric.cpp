@@ -60,9 +60,12 @@ Points Quadric::nearest(const Points& points) const {
   return out;
 }
 
-Points Quadric::normals(const Points& points) const {
+Points Quadric::normals(const Points& points, const Points& directions) const {
   Points out(points.rows(), 3);
-  for (Index k = 0; k < out.rows(); ++k) out.row(k) = unit_vector(gradient(local(points, k)));
+  for (Index k = 0; k < out.rows(); ++k) {
+    const Vec3 way = gradient(local(points, k));
+    out.row(k) = unit_vector(way.dot(directions.row(k)) < 0 ? Vec3(-way) : way);
+  }
   return out;
 }
 

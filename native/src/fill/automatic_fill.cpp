@@ -23,6 +23,7 @@
 #include "tripatch/math/parallel.h"
 #include "tripatch/math/thresholds.h"
 #include "tripatch/messages.h"
+#include "tripatch/output/quad_cover.h"
 #include "tripatch/report/dihedrals.h"
 #include "tripatch/report/folded_triangles.h"
 #include "tripatch/spline/averaged_models.h"
@@ -80,7 +81,6 @@ struct FillProblem {
   bool is_of_revolution = false;               ///< the surroundings of a round rim
   std::optional<std::pair<Fill, bool>> patch;  ///< once it is made, and whether it is of revolution
   std::optional<Fill> early_spline;            ///< if it was made before the patch
-  std::optional<Quadric> quadric;              ///< that the surroundings lie on, once it is asked for
 
 private:
   Fill spline_anew() const { return fill_any_rim(context, rim, sides_->of_spline, sides_->options); }
@@ -309,55 +309,35 @@ Fill make_spline_with_planes(FillProblem& problem, const TriedFills& tried) {
   return fill;
 }
 
-double longest_edge(const FillProblem& problem) {
-  double longest = 0;
-  const Points rim = problem.context.mesh.vertices(problem.loop, Eigen::all);
-  for (Index k = 0; k < rim.rows(); ++k) longest = std::max(longest, (rim.row(k) - rim.row((k + 1) % rim.rows())).norm());
-  return longest;
-}
-
-/// Vertices of the surroundings that tell of a quadric: those that the spline follows.
-Points samples_around(const FillProblem& problem) {
-  const Disc disc =
-      disc_to_sample(problem.context.mesh, problem.context.left, {problem.loop}, reach_share * problem.size, rings_followed);
-  return with_points_on_edges(disc, disc.points);
-}
-
-/// Vertices on a quadric that the surroundings lie on, where nothing else is known to what nobody sees.
+/// A spline that is not known to what nobody sees may have its vertices on a quadric.
 Reason skip_quadric(FillProblem& problem, const TriedFills& tried) {
   const Tried &spline = spline_in(tried), *const best = best_of(tried);
-  const bool as_it_comes = !wants_patch(problem) && is_continuity_open(problem.options);
-  const bool is_smooth = spline.fill && spline.fill->deviation.size() > 0 && spline.fill->feature_edges.empty();
-  if (!as_it_comes || !is_smooth || !is_valid(spline.row.quality)) return Message{Code::no_smooth_spline};
-  if (best->row.quality.expected_error <= tolerance::close * problem.size) return Message{Code::is_known_well};
-  const Fill& fill = *spline.fill;
-  problem.quadric = Quadric::through(samples_around(problem));
-  if (!problem.quadric) return Message{Code::not_on_quadric};
-  const Points vertices = problem.quadric->nearest(fill.vertices);
-  const double edge = longest_edge(problem);
-  const double off = root_mean_square(problem.quadric->deviation(vertices, edge));
-  return unless(off <= tolerance::same * problem.size, Code::not_on_quadric);
+  const bool is_open = !wants_patch(problem) && is_continuity_open(problem.options);
+  const bool is_smooth = spline.fill && is_valid(spline.row.quality) && spline.fill->deviation.size() > 0 &&
+                         spline.fill->feature_edges.empty() && spline.fill->report.warnings.empty();
+  if (!is_open || !is_smooth) return Message{Code::no_smooth_spline};
+  return unless(best->row.quality.expected_error > tolerance::close * problem.size, Code::is_known_well);
 }
 
 Fill make_on_quadric(FillProblem& problem, const TriedFills& tried) {
   const FillContext& context = problem.context;
-  const Quadric& quadric = *problem.quadric;
   Fill fill = *spline_in(tried).fill;
-  const Points rim = context.mesh.vertices(fill.rim, Eigen::all), vertices = quadric.nearest(fill.vertices);
-  const auto oriented = [&](const Points& at, const Points& before) -> Points {
-    const Points normals = quadric.normals(at);
-    return normals.array().colwise() * normals.cwiseProduct(before).rowwise().sum().array().sign();
-  };
-  fill.normals = oriented(vertices, fill.normals);
-  fill.rim_normals = oriented(rim, fill.rim_normals);
+  const Disc disc = disc_to_sample(context.mesh, context.left, {problem.loop}, reach_share * problem.size, rings_followed);
+  const std::optional<Quadric> quadric = Quadric::through(with_points_on_edges(disc, disc.points));
+  const Points rim = context.mesh.vertices(fill.rim, Eigen::all);
+  const Index longest = static_cast<Index>(longest_edge(rim));
+  const double edge = (rim.row((longest + 1) % rim.rows()) - rim.row(longest)).norm();
+  if (!quadric) throw CodedRefusal(Code::not_on_quadric);
+  fill.vertices = quadric->nearest(fill.vertices);
+  fill.deviation = quadric->deviation(fill.vertices, edge);
+  if (!(root_mean_square(fill.deviation) <= tolerance::same * problem.size)) throw CodedRefusal(Code::not_on_quadric);
   const PlanePoints places = stacked(fill.rim_uv, fill.uv);
-  const Points change = stacked(rim, vertices) - fill.patch->positions(as_rows(places));
-  const double edge = longest_edge(problem);
+  const Points change = stacked(rim, fill.vertices) - fill.patch->positions(as_rows(places));
   const SurfacePtr moved = through_vertices(places, change, rim.rows(), edge);
-  if (!moved) throw CodedRefusal(Code::not_on_quadric, problem.loop);
+  if (!moved) throw CodedRefusal(Code::not_on_quadric);
   fill.patch = std::make_shared<PlanePatch>(sum(fill.patch, moved), fill.rim_uv);
-  fill.vertices = vertices;
-  fill.deviation = quadric.deviation(vertices, edge);
+  fill.normals = quadric->normals(fill.vertices, fill.normals);
+  fill.rim_normals = quadric->normals(rim, fill.rim_normals);
   fill.report.deviation_max = fill.deviation.maxCoeff();
   measure_faces(context.mesh, fill.vertices, fill.faces, faces_beyond(context.mesh, context.left, {problem.loop}), fill.report);
   fill.report.method_reason = Message{Code::lies_on_quadric};

@@ -16,8 +16,8 @@ public:
 
   /// The same points moved onto it along its gradient.
   Points nearest(const Points& points) const;
-  /// (n x 3) unit normals, on either side.
-  Points normals(const Points& points) const;
+  /// (n x 3) unit normals, each on the side of another direction.
+  Points normals(const Points& points, const Points& directions) const;
   /// Standard deviation at points on it, scene units: all that the points it was fitted to leave may be one error that continues. Infinite
   /// where it bends within `edge`, as where two planes meet.
   Eigen::VectorXd deviation(const Points& points, double edge) const;
