@@ -49,21 +49,24 @@ void bind_fill(py::module_& m) {
     return filled;
   });
   m.def("_fill_all", [](const Array& vertices, const IndexArray& offsets, const py::array& corners,
-                        const std::vector<std::vector<Index>>& rims, const py::dict& options,
-                        const std::vector<std::optional<std::vector<Index>>>& rim_corners, const py::object& progress,
-                        const ConnectedMesh* connected) {
+                        std::vector<std::vector<Index>> rims, std::vector<std::vector<std::vector<Index>>> islands,
+                        const py::dict& options, const std::vector<std::optional<std::vector<Index>>>& rim_corners,
+                        const py::object& progress, const ConnectedMesh* connected) {
     const FillOptions o = fill_options(options);
     const FacesRef faces = faces_from(offsets, corners);
     const Eigen::Map<const Points> points(vertices.data(), vertices.shape(0), 3);
+    Holes holes;
+    holes.rims = std::move(rims);
+    holes.islands = std::move(islands);
     std::vector<std::variant<Fill, Refused>> results;
     {
       py::gil_scoped_release release;
       results = fill_all(
-          {points, faces}, rims, o, rim_corners,
+          {points, faces}, holes, o, rim_corners,
           [&](std::size_t done) {
             const py::gil_scoped_acquire acquire;
             if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-            if (!progress.is_none()) progress(done, rims.size());
+            if (!progress.is_none()) progress(done, holes.rims.size());
           },
           connected ? &connected->around() : nullptr);
     }

@@ -11,6 +11,7 @@
 #include "tripatch/hole/corners.h"
 #include "tripatch/hole/hole.h"
 #include "tripatch/hole/islands.h"
+#include "tripatch/hole/joined_mesh.h"
 #include "tripatch/hole/near_duplicates.h"
 #include "tripatch/hole/rim_checks.h"
 #include "tripatch/hole/rim_shape.h"
@@ -40,7 +41,8 @@ py::object joined_borders(ConnectedMesh& connected, std::optional<double> distan
   if (joined.stands.empty()) return py::none();
   py::list splits;
   for (const EdgeSplit& each : joined.splits) splits.append(py::make_tuple(each.face, each.corner, each.vertex, each.t));
-  return py::make_tuple(array_from(joined.faces.offsets), array_from(joined.faces.corners), array_from(joined.stands), splits);
+  return py::make_tuple(array_from(joined.faces.offsets), array_from(joined.faces.corners), array_from(joined.own),
+                        array_from(joined.stands), splits);
 }
 
 bool has_sharp_sides(const ConnectedMesh& connected, const std::vector<Index>& rim) {
@@ -102,14 +104,19 @@ void bind_borders(py::module_& m) {
            })
       .def("join_borders", &joined_borders)
       .def("looks_within", &looks_within)
-      .def("contacts",
-           [](ConnectedMesh& connected) {
-             std::vector<std::array<Index, 4>> found;
-             py::gil_scoped_release release;
-             for (const Contact& each : contacts(connected.mesh(), connected.loops()))
-               found.push_back(
-                   {static_cast<Index>(each.on_others), static_cast<Index>(each.on_itself), each.edge[0], each.edge[1]});
-             return found;
+      .def("holes",
+           [](ConnectedMesh& connected, const py::dict& options, bool islands) {
+             const HoleChoice choice = hole_choice(options);
+             Holes holes;
+             {
+               py::gil_scoped_release release;
+               holes =
+                   holes_among(connected.borders(), connected.unclosed(), connected.mesh(), connected.around(), choice, islands);
+             }
+             py::dict refused;
+             for (std::size_t k = 0; k < holes.rims.size(); ++k)
+               if (holes.refused[k]) refused[py::int_(k)] = refusal_object(*holes.refused[k], {});
+             return py::make_tuple(holes.rims, holes.islands, refused, holes.outer, holes.borders);
            })
       .def("refusals",
            [](const ConnectedMesh& connected, const std::vector<std::vector<Index>>& rims) {
@@ -130,6 +137,21 @@ void bind_borders(py::module_& m) {
       });
 }
 
+void bind_joined(py::module_& m) {
+  py::class_<JoinedMesh> joined_mesh(m, "JoinedMesh");
+  define_constructor<std::vector<Index>, std::vector<Index>, std::vector<Index>, std::vector<Index>>(
+      joined_mesh, [](std::vector<Index> offsets, std::vector<Index> corners, const std::vector<Index>& own,
+                      const std::vector<Index>& stands) {
+        Faces faces;
+        faces.offsets = std::move(offsets);
+        faces.corners = std::move(corners);
+        return JoinedMesh(std::move(faces), own, stands);
+      });
+  joined_mesh
+      .def("in_mesh", [](const JoinedMesh& joined, const std::vector<Index>& loop) { return array_from(joined.in_mesh(loop)); })
+      .def("bring_back", &JoinedMesh::bring_back);
+}
+
 void bind_passages(py::module_& m) {
   m.def("_passages_of_faces", [](const Array& vertices, const IndexArray& offsets, const py::array& corners,
                                  const std::vector<Index>& fill_of_face, const std::optional<Subdivision>& subdivision) {
@@ -147,6 +169,7 @@ void bind_passages(py::module_& m) {
 
 void bind_holes(py::module_& m) {
   bind_borders(m);
+  bind_joined(m);
   bind_passages(m);
   m.attr("surrounding_rings") = max_rings + 1;
   m.def("_find_holes", [](const IndexArray& offsets, const py::array& corners) {

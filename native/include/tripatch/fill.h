@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "tripatch/hole/choose_holes.h"
 #include "tripatch/messages.h"
 #include "tripatch/options.h"
 #include "tripatch/output/fill_result.h"
@@ -31,10 +32,16 @@ inline Refused refused(const CodedRefusal& refusal) { return {refusal.message(),
 /// work.
 using Progress = std::function<void(std::size_t done)>;
 /// One result for each rim, in order; a refusal of one does not stop the others. Cages whose surroundings overlap are fitted
-/// together; fills of holes that share a vertex have one tangent plane there. corners: of each rim (shorter: detected); options.replaced: the faces in all of them; options.center: of one rim only.
-/// connected: of the whole mesh, if the caller has it.
+/// together; fills of holes that share a vertex have one tangent plane there. corners: of each rim (shorter: detected); options.replaced:
+/// the faces in all of them; options.center: of one rim only. connected: of the whole mesh, if the caller has it.
 std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const std::vector<std::vector<Index>>& rims,
                                                   const FillOptions& options = {},
+                                                  const std::vector<std::optional<std::vector<Index>>>& corners = {},
+                                                  const Progress& progress = {}, const Connectivity* connected = nullptr);
+
+/// The same of all holes that were found, with their islands. Corners of a rim with islands are not looked at. connected: of the joined
+/// mesh, where borders lie on each other.
+std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const Holes& holes, const FillOptions& options = {},
                                                   const std::vector<std::optional<std::vector<Index>>>& corners = {},
                                                   const Progress& progress = {}, const Connectivity* connected = nullptr);
 

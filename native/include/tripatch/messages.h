@@ -53,6 +53,7 @@ enum class Code : std::uint16_t {
   round_rim_too_short,
   edges_on_borders,
   rim_on_borders,
+  slit_without_width,
   edges_without_length,
   // Numbers
   numbers_overflow,

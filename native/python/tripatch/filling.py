@@ -443,10 +443,10 @@ def fill_all(
     if corners is not None and len(by_rim) != len(loops):
         raise WrongValue(Message("wrong_count", {"name": "corners", "count": len(loops), "given": len(by_rim)}))
     mesh = v, offsets, face_corners
-    if holes and (holes.refused or any(holes.islands)):
-        results = _with_islands(mesh, holes, options, by_rim, progress)
+    if holes:
+        results = _of_holes(mesh, holes, given, by_rim, progress)
     else:
-        results = _native._fill_all(*mesh, loops, given, by_rim, progress, holes.connected if holes else None)
+        results = _native._fill_all(*mesh, loops, [], given, by_rim, progress, None)
     together, fills = list[Any](), list[Fill | Refusal]()
     for k, result in enumerate(results):
         if isinstance(result, Refusal):
@@ -456,7 +456,7 @@ def fill_all(
             source = Source("fill", *mesh, {**options, "islands": holes.islands[k]}, loops[k])
         else:
             source = Source("fill_all", *mesh, options, loops[k], by_rim[k] if by_rim else None)
-        filled = Fill(holes.brought_back(result) if holes else result, source)
+        filled = Fill(result, source)
         fills.append(filled)
         if given["output"] == "cage":
             source.others = together
@@ -468,22 +468,14 @@ def fill_all(
     return Fills(fills, [holes.in_mesh(loop) for loop in loops], holes.outer_borders, holes.joined)
 
 
-def _with_islands(mesh: Any, holes: Holes, options: dict[str, Any], by_rim: list[Any], progress: Any) -> list[Any]:
-    """Fills of holes of which some have islands, or are refused."""
-    plain = [k for k in range(len(holes.rims)) if k not in holes.refused and not holes.islands[k]]
-    given = checked("fill_all", options)
-    rims, corners = [holes.rims[k] for k in plain], [by_rim[k] for k in plain] if by_rim else []
-    results: dict[int, Any] = dict(holes.refused)
-    v, offsets, face_corners = mesh
-    filled = _native._fill_all(v, offsets, face_corners, rims, given, corners, progress, holes.connected)
-    results.update(zip(plain, filled, strict=True))
-    own = {name: value for name, value in options.items() if "fill" in OPTIONS[name].functions}
-    for k, islands in enumerate(holes.islands):
-        if not islands or k in results:
-            continue
-        try:
-            asked = checked("fill", {**own, "rim": holes.rims[k], "islands": islands})
-            results[k] = _native._fill(v, offsets, face_corners, not_at_default("fill", asked), progress)
-        except Refusal as refusal:
-            results[k] = refusal
-    return [results[k] for k in range(len(holes.rims))]
+def _of_holes(mesh: Any, holes: Holes, given: dict[str, Any], by_rim: list[Any], progress: Any) -> list[Any]:
+    """What becomes of each, by the vertices of the mesh as it is."""
+    asked = [k for k in range(len(holes.rims)) if k not in holes.refused]
+    rims, islands = [holes.rims[k] for k in asked], [holes.islands[k] for k in asked]
+    corners = [by_rim[k] for k in asked] if by_rim else []
+    made = _native._fill_all(*mesh, rims, islands, given, corners, progress, holes.connected)
+    for each in made:
+        if not isinstance(each, Refusal):
+            holes.bring_back(each)
+    results = dict(holes.refused) | dict(zip(asked, made, strict=True))
+    return [results[k] for k in range(len(results))]

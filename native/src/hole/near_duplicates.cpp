@@ -253,6 +253,7 @@ JoinedBorders join_borders(const Mesh& mesh, std::span<const std::vector<Index>>
   for (std::size_t v = 0; v < joined.stands.size(); ++v) joined.stands[v] = root(joined.stands, static_cast<Index>(v));
   joined.faces = split_faces(mesh.faces, within, joined);
   part_within_faces(joined.faces, joined.stands);
+  joined.own = joined.faces.corners;
   for (Index& v : joined.faces.corners) v = joined.stands[v];
   return joined;
 }

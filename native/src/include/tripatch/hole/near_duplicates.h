@@ -22,6 +22,7 @@ struct EdgeSplit {
 /// A mesh whose faces share their vertices along borders that lie on each other.
 struct JoinedBorders {
   Faces faces;                    ///< of the vertices that stand for all at their places
+  std::vector<Index> own;         ///< the corners of the faces before that
   std::vector<Index> stands;      ///< for each vertex the one that stands for it; empty: nothing was joined
   std::vector<EdgeSplit> splits;  ///< by face, corner and place on the edge
 };
