@@ -8,8 +8,7 @@ import numpy as np
 
 from . import _arrays, _native, quality
 from ._types import Array
-from .errors import Refusal, out_of_range
-from .messages import Message
+from .errors import out_of_range
 from .options import checked
 
 
