@@ -143,7 +143,9 @@ def blend_corners(bm, ends, corners, blend, nearest, charts=None):
 
 def between_corners(bm, corner, ends, share):
     """Gives a face corner the corner data between two others."""
+    face, place = corner.face, list(corner.face.loops).index(corner)
     corner.copy_from(ends[int(share > 0.5)])
+    corner = face.loops[place]  # from Blender 4 on the copying ends the validity of the other one
     for kind, _, layer in _layers(bm.loops.layers, _LOOP_LAYERS):
         pairs = zip(*(read(end[layer], kind) for end in ends), strict=True)
         write(corner, layer, kind, [(1 - share) * a + share * b for a, b in pairs])

@@ -175,6 +175,9 @@ def test_two_holes_of_one_surface_are_filled_each(addon):
 
 def test_a_notch_in_an_open_border_is_filled_up_to_an_edge_between_its_ends(addon):
     ob = sheet(24, lambda x, y: x > 0.4 and y > 0.4)
+    uv = ob.data.uv_layers.new().data
+    for loop in ob.data.loops:
+        uv[loop.index].uv = ob.data.vertices[loop.vertex_index].co.xy
     bm, points, faces = fill(ob, lambda co: co.x > 0.35 and co.y > 0.35 and min(co.x, co.y) < 0.45)
     assert faces and sum(e.is_boundary for e in bm.edges) < 4 * 24
     assert all(e.is_contiguous for e in bm.edges if not e.is_boundary)
@@ -183,6 +186,8 @@ def test_a_notch_in_an_open_border_is_filled_up_to_an_edge_between_its_ends(addo
     assert (middles[:, 0] + middles[:, 1] < 1.45).all(), "not beyond the edge between the ends"
     off = [p[2] - 0.25 * np.sin(1.5 * p[0]) - 0.1 * p[1] ** 2 for p in points]
     assert np.abs(off).max() < 0.01
+    layer = bm.loops.layers.uv.active
+    assert max((corner[layer].uv - corner.vert.co.xy).length for f in faces for corner in f.loops) < 0.05
 
 
 def test_a_gap_between_two_chains_is_filled(addon):
