@@ -468,7 +468,9 @@ def fill_all(
     return Fills(fills, [holes.in_mesh(loop) for loop in loops], holes.outer_borders, holes.joined)
 
 
-def _of_holes(mesh: tuple[Array, Array, Array], holes: Holes, given: dict[str, Any], by_rim: list[Any], progress: Any) -> list[Any]:
+def _of_holes(
+    mesh: tuple[Array, Array, Array], holes: Holes, given: dict[str, Any], by_rim: list[Any], progress: Any
+) -> list[Any]:
     """What becomes of each, by the vertices of the mesh as it is."""
     asked = [k for k in range(len(holes.rims)) if k not in holes.refused]
     rims, islands = [holes.rims[k] for k in asked], [holes.islands[k] for k in asked]
