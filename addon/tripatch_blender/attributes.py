@@ -141,11 +141,10 @@ def blend_corners(bm, ends, corners, blend, nearest, charts=None):
             corner[layer] = ends[continued[-1] if continued else nearest[vertex]][layer]
 
 
-def between_corners(bm, corner, ends, share):
-    """Gives a face corner the corner data between two others."""
-    face, place = corner.face, list(corner.face.loops).index(corner)
-    corner.copy_from(ends[int(share > 0.5)])
-    corner = face.loops[place]  # from Blender 4 on the copying ends the validity of the other one
+def between_corners(bm, face, place, ends, share):
+    """Gives the corner of a face at a place the corner data between two others."""
+    face.loops[place].copy_from(ends[int(share > 0.5)])
+    corner = face.loops[place]  # read again: from Blender 4 on a copy ends what Python had of the corner
     for kind, _, layer in _layers(bm.loops.layers, _LOOP_LAYERS):
         pairs = zip(*(read(end[layer], kind) for end in ends), strict=True)
         write(corner, layer, kind, [(1 - share) * a + share * b for a, b in pairs])

@@ -99,8 +99,8 @@ def _strip(bm, notch, start, end, between, normals, edge):
         face = bm.faces.new((row[k + 1], row[k], far[k], far[k + 1]), ends[0].face)
         face.select = False
         notch.strip.append(face)
-        for corner, at in zip(face.loops, (k + 1, k, k, k + 1), strict=True):
-            attributes.between_corners(bm, corner, ends, share[at])
+        for place, at in enumerate((k + 1, k, k, k + 1)):
+            attributes.between_corners(bm, face, place, ends, share[at])
     new = [bm.edges.get(pair) for pair in zip(row, row[1:], strict=False)]
     notch.edges += [edge for edge in new if edge != known]
 

@@ -140,12 +140,12 @@ void bind_borders(py::module_& m) {
 void bind_joined(py::module_& m) {
   py::class_<JoinedMesh> joined_mesh(m, "JoinedMesh");
   define_constructor<std::vector<Index>, std::vector<Index>, std::vector<Index>, std::vector<Index>>(
-      joined_mesh, [](std::vector<Index> offsets, std::vector<Index> corners, const std::vector<Index>& own,
-                      const std::vector<Index>& stands) {
+      joined_mesh,
+      [](std::vector<Index> offsets, std::vector<Index> corners, const std::vector<Index>& own, std::vector<Index> stands) {
         Faces faces;
         faces.offsets = std::move(offsets);
         faces.corners = std::move(corners);
-        return JoinedMesh(std::move(faces), own, stands);
+        return JoinedMesh(std::move(faces), own, std::move(stands));
       });
   joined_mesh
       .def("in_mesh", [](const JoinedMesh& joined, const std::vector<Index>& loop) { return array_from(joined.in_mesh(loop)); })

@@ -1,4 +1,5 @@
 #include "tripatch/fill.h"
+#include "tripatch/fill_checks.h"
 #include "tripatch/hole/joined_mesh.h"
 #include "tripatch/math/parallel.h"
 
@@ -7,6 +8,7 @@ namespace tripatch {
 std::vector<std::variant<Fill, Refused>> fill_all(const Mesh& mesh, const Holes& holes, const FillOptions& options,
                                                   const std::vector<std::optional<std::vector<Index>>>& corners,
                                                   const Progress& progress, const Connectivity* connected) {
+  check_several(holes.rims, options, corners);
   const Mesh joined = holes.joined ? Mesh{mesh.vertices, holes.joined->faces()} : mesh;
   std::vector<std::variant<Fill, Refused>> results(holes.rims.size());
   std::vector<std::size_t> plain, around;

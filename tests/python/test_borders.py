@@ -396,3 +396,34 @@ def test_a_batch_says_that_a_border_does_not_close(tmp_path, capsys):
     assert run(capsys, "batch", tmp_path / "in", "--out", tmp_path / "out", "--quiet")[0] == 3
     lines = [json.loads(line) for line in (tmp_path / "out" / journal.LINES).read_text().splitlines()]
     assert [line["codes"] for line in lines if line["line"] == "hole" and line["status"] == "refused"] == [["border_not_closed"]]
+
+
+def doubled_sheet():
+    """A grid of two parts that meet along y = 4 with vertices of their own, with a hole of an odd number of edges across that."""
+    numbers: dict = {}
+
+    def number(part, x, y):
+        return numbers.setdefault((part if y == 4 else 0, x, y), len(numbers))
+
+    faces = []
+    for x, y in np.ndindex(8, 8):
+        if not (3 <= x < 5 and 3 <= y < 5):
+            part = int(y >= 4)
+            faces.append([number(part, x + i, y + j) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))])
+    faces.append([number(0, 3, 3), number(0, 4, 3), number(0, 3, 4)])
+    places = np.array([(x, y + 2 * (y > 4), 0.05 * x * y) for _, x, y in numbers])  # the longest edges of the hole end at y = 4
+    return places, faces
+
+
+@pytest.mark.parametrize("options", [{"odd": "split"}, {"cage_rim": "move"}, {"odd": "split", "cage_rim": "move"}])
+def test_a_cage_across_doubled_vertices_leaves_no_gap(options):
+    """Edges that are split, and vertices that move, are those of both parts."""
+    vertices, faces = doubled_sheet()
+    made, all_faces = tripatch.fill_holes(vertices, faces, output="cage", **options)
+    places = [tuple(p) for p in np.round(made, 9).tolist()]
+    count: dict = {}
+    for face in all_faces:
+        for a, b in zip(face, [*face[1:], face[0]], strict=True):
+            edge = frozenset((places[a], places[b]))
+            count[edge] = count.get(edge, 0) + 1
+    assert sum(each == 1 for each in count.values()) == 32, "the outer border alone"

@@ -76,12 +76,13 @@ std::vector<Border> borders_of(const Mesh& mesh, const Connectivity& around, con
   return borders;
 }
 
+Message told_of_unclosed(const std::vector<Index>& chain) {
+  return {
+      Code::border_not_closed, {{"edges", chain.size() - 1}, {"ends", std::vector<Index>{chain.front(), chain.back()}}}, chain};
+}
+
 void refuse_no_hole(const std::vector<Border>& borders, const std::vector<std::vector<Index>>& unclosed) {
-  if (!unclosed.empty()) {
-    const std::vector<Index>& chain = unclosed[0];
-    const std::vector<Index> ends{chain.front(), chain.back()};
-    throw CodedRefusal(Code::border_not_closed, {{"edges", chain.size() - 1}, {"ends", ends}}, chain);
-  }
+  if (!unclosed.empty()) throw CodedRefusal(told_of_unclosed(unclosed[0]));
   if (borders.empty()) throw CodedRefusal(Code::no_border);
   throw CodedRefusal(Code::only_outer_borders, borders.back().loop);
 }

@@ -24,22 +24,21 @@ std::vector<std::vector<Index>> choose_holes(const Mesh& mesh, const HoleChoice&
 
 class JoinedMesh;
 
-/// The holes of a mesh. Borders that lie on each other are no holes: their vertices within a millionth of the mesh's size count as one, and
-/// all loops here name one vertex for those at its place.
+/// The holes of a mesh. Where borders lie on each other, vertices within a millionth of the mesh's size count as one: all loops here name the
+/// same one of them.
 struct Holes {
-  std::vector<std::vector<Index>> rims;  ///< shortest first
-  std::vector<std::vector<std::vector<Index>>>
-      islands;                                  ///< of each rim the borders of other parts of the mesh that lie inside it
-  std::vector<std::optional<Message>> refused;  ///< of each rim why it is no hole
-  std::vector<std::vector<Index>> outer;        ///< outer borders that are left open
-  std::vector<std::vector<Index>> borders;      ///< all, and the chains of border edges that close to no loop
-  std::shared_ptr<const JoinedMesh> joined;     ///< null: no borders lie on each other
+  std::vector<std::vector<Index>> rims;                  ///< shortest first
+  std::vector<std::vector<std::vector<Index>>> islands;  ///< of each rim the borders inside it
+  std::vector<std::optional<Message>> refused;           ///< of each rim why it is no hole
+  std::vector<std::vector<Index>> outer;                 ///< outer borders that are left open
+  std::vector<std::vector<Index>> borders;               ///< all, and the chains of border edges that close to no loop
+  std::shared_ptr<const JoinedMesh> joined;              ///< null: no borders lie on each other
 
   /// One of these loops by the mesh's own vertices: of those at one place that of the edge which starts there.
   std::vector<Index> in_mesh(const std::vector<Index>& loop) const;
 };
 
-/// The chosen ones, with what lies inside them. islands: whether borders inside others belong to these; else each is a hole.
+/// The chosen ones. islands: borders of other parts of the mesh that lie inside a hole belong to it; else each border is a hole.
 /// Example: `for (const auto& result : fill_all(mesh, find_all_holes(mesh, {.max_edges = 100})))`.
 Holes find_all_holes(const Mesh& mesh, const HoleChoice& choice = {}, bool islands = true);
 

@@ -18,17 +18,21 @@ struct Holes;
 class JoinedMesh {
 public:
   /// own: the corners of the faces before; stands: for each vertex the one that stands for it.
-  JoinedMesh(Faces faces, const std::vector<Index>& own, const std::vector<Index>& stands);
+  JoinedMesh(Faces faces, const std::vector<Index>& own, std::vector<Index> stands);
 
   const Faces& faces() const { return faces_; }
   std::vector<Index> in_mesh(const std::vector<Index>& loop) const;
-  /// To the mesh's own vertices: at the rim those of the faces next to it.
+  /// To the mesh's own vertices: at the rim those of the faces next to it. Vertices move with all at their places.
   void bring_back(Fill& fill) const;
 
 private:
   using Edge = std::array<Index, 2>;
+  using EdgeMap = std::map<Edge, Edge>;
+  void bring_edges_back(std::vector<Edge>& edges) const;
+
   Faces faces_;
-  std::map<Edge, Edge> own_;  // of edges of faces with vertices that stand for others, as a new face runs
+  std::vector<Index> stands_;
+  EdgeMap own_;  // of edges of faces with vertices that stand for others, as a new face runs
 };
 
 /// As find_all_holes does, of faces that are joined already. unclosed: as of border_loops.

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tripatch/mesh/connectivity.h"
+#include "tripatch/messages.h"
 
 namespace tripatch {
 
@@ -25,6 +26,8 @@ std::vector<Border> borders_of(const Mesh& mesh);
 std::vector<std::vector<Index>> chosen_among(const std::vector<Border>& borders, const Mesh& mesh, const Connectivity& around,
                                              const HoleChoice& choice);
 
+/// Why a chain of border edges that closes to no loop is no hole.
+Message told_of_unclosed(const std::vector<Index>& chain);
 /// Refuses a mesh without holes; borders, unclosed: all of the mesh, as of border_loops.
 [[noreturn]] void refuse_no_hole(const std::vector<Border>& borders, const std::vector<std::vector<Index>>& unclosed);
 
